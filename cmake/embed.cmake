@@ -1,0 +1,2 @@
+function(gust_embed_assets target)
+endfunction()

@@ -1,0 +1,20 @@
+# Run after a doctest program is linked: writes LIST, which names each of its test cases to ctest.
+execute_process(COMMAND ${PROGRAM} --list-test-cases --no-intro OUTPUT_VARIABLE output RESULT_VARIABLE result)
+if(result)
+  message(FATAL_ERROR "${PROGRAM} --list-test-cases failed: ${result}\n${output}")
+endif()
+# CMake's lists give brackets and semicolons a meaning; doctest's filter gives commas, quotes and backslashes one.
+string(REPLACE "[" "(" output "${output}")
+string(REPLACE "]" ")" output "${output}")
+string(REPLACE ";" "," output "${output}")
+string(REGEX MATCHALL "[^\n]+" lines "${output}")
+set(script "")
+foreach(line IN LISTS lines)
+  if(line MATCHES "^====|^.doctest. ")
+    continue()
+  endif()
+  string(REGEX REPLACE "[],()\"\\]" "?" filter "${line}")
+  string(APPEND script "add_test([==[${line}]==] [==[${PROGRAM}]==] [==[--test-case=${filter}]==])\n"
+    "set_tests_properties([==[${line}]==] PROPERTIES LABELS ${LABEL} TIMEOUT 300)\n")
+endforeach()
+file(WRITE ${LIST} "${script}")
