@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gust {
+
+/// The candidate nearest to what was typed, or an empty text when none is near enough to be meant.
+std::string nearest(std::string_view typed, std::span<const std::string> candidates);
+
+/// "; did you mean 'x'?" for the nearest candidate, else an empty text.
+std::string did_you_mean(std::string_view typed, std::span<const std::string> candidates);
+
+/// The parts with a separator between them.
+std::string join(std::span<const std::string> parts, std::string_view separator);
+
+/// The parts of a text between separators; an empty text has no parts.
+std::vector<std::string> split_text(std::string_view text, char separator);
+
+}  // namespace gust
