@@ -1,0 +1,36 @@
+# The tests that are not C++: rules of the tree, Python programs, sanitizer builds, fuzzing. Each is a ctest test with a label.
+if(NOT BUILD_TESTING OR NOT GUST_FULL_CHECK)
+  return()
+endif()
+get_property(programs GLOBAL PROPERTY GUST_TEST_PROGRAMS)
+
+# gust_check(NAME LABEL label SECONDS limit COMMAND ...)
+function(gust_check name)
+  cmake_parse_arguments(arg "" "LABEL;SECONDS" "COMMAND" ${ARGN})
+  add_test(NAME ${name} COMMAND ${arg_COMMAND} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_SECONDS} COST ${arg_SECONDS})
+endfunction()
+
+gust_check("every file is formatted" LABEL style SECONDS 60 COMMAND scripts/check-format)
+gust_check("every include follows the layers" LABEL style SECONDS 60 COMMAND scripts/check-layers)
+list(TRANSFORM programs REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE program_files)
+gust_check("every oracle has a test" LABEL style SECONDS 60 COMMAND scripts/check-oracles ${program_files})
+
+foreach(program ${programs})
+  gust_check("${program} is clean under the sanitizers" LABEL sanitizers SECONDS 600
+             COMMAND ${PROJECT_SOURCE_DIR}/build/asan/${program} --no-intro)
+endforeach()
+
+file(GLOB fuzzers RELATIVE ${PROJECT_SOURCE_DIR}/fuzz CONFIGURE_DEPENDS fuzz/fuzz_*.cpp)
+foreach(source ${fuzzers})
+  get_filename_component(target ${source} NAME_WE)
+  gust_check("${target} survives a minute" LABEL fuzz SECONDS 180 COMMAND scripts/fuzz-one 60 ${target})
+endforeach()
+
+file(GLOB scripts RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS tests/*/test_*.py)
+foreach(script ${scripts})
+  string(REGEX REPLACE "^tests/([^/]+)/.*" "\\1" label ${script})
+  gust_check(${script} LABEL ${label} SECONDS 600 COMMAND build/venv/bin/python -m pytest -q -p no:cacheprovider ${script})
+  set_tests_properties(${script} PROPERTIES
+    ENVIRONMENT "GUST=${PROJECT_BINARY_DIR}/gust;GUST_BUILD=${PROJECT_BINARY_DIR};PYTHONDONTWRITEBYTECODE=1")
+endforeach()

@@ -1,0 +1,47 @@
+# Thin names over the CMake presets; `make help` lists them.
+RELEASE := build/release
+JOBS ?= $(shell nproc)
+VERBOSE_CTEST := --output-on-failure --no-tests=error
+
+.DEFAULT_GOAL := release
+.PHONY: release demo check bench format docs install clean help
+
+release: ## Build the program: build/release/gust
+	scripts/install-deps build
+	cmake --preset release -D BUILD_TESTING=OFF -D GUST_FULL_CHECK=OFF
+	cmake --build --preset release
+
+demo: release ## Run studies/demo.toml: trains, disturbs, measures; prints the margins and where the page lies
+	$(RELEASE)/gust run studies/demo.toml --out build/demo.gust
+
+check: ## Install, build and run every test
+	scripts/install-deps check
+	scripts/make-venv
+	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON
+	cmake --build --preset release
+	cmake --preset asan
+	cmake --build --preset asan
+	cmake --preset fuzz
+	cmake --build --preset fuzz
+	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST)
+
+bench: ## Build and run the benchmarks; JSON in build/bench
+	scripts/install-deps bench
+	cmake --preset release
+	cmake --build --preset release --target benchmarks
+	scripts/bench
+
+format: ## Format all C++ in place
+	scripts/check-format --fix
+
+docs: release ## Write docs/catalog.md from the program's own catalogue
+	scripts/make-docs
+
+install: release ## Install under PREFIX (default /usr/local)
+	cmake --install $(RELEASE) --prefix $(or $(PREFIX),/usr/local)
+
+clean: ## Remove everything that was built
+	rm -rf build
+
+help: ## List these targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## /{printf "make %-8s %s\n", $$1, $$2}' Makefile
