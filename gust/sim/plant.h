@@ -1,0 +1,98 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gust/core/catalog.h"
+#include "gust/core/rows.h"
+
+namespace gust {
+
+/// A named scalar with its unit.
+struct Component {
+  std::string name;
+  std::string unit;
+};
+
+/// A physical quantity of the plant that a study may set, scale or randomise.
+struct Parameter {
+  std::string name;
+  std::string unit;
+  double nominal = 0;
+};
+
+/// Everything about a plant and its task that is data: what is measured, pushed, charged and forbidden. SI units.
+struct PlantSpec {
+  std::vector<Component> state;      ///< also the observation's first components
+  std::vector<Component> reference;  ///< components appended to the observation, none for a fixed goal
+  std::vector<Component> action;     ///< physical inputs
+  std::vector<Component> force;      ///< the dynamics site
+  std::vector<Parameter> parameters;
+  std::size_t hidden = 0;  ///< rows of integrator memory that follow the state
+
+  double control_rate = 0;  ///< Hz
+  double physics_rate = 0;  ///< Hz, a multiple of control_rate
+  std::int64_t steps = 0;   ///< control steps in an episode
+
+  bool normalized_action = false;    ///< the policy acts in [-1, 1]
+  std::vector<double> action_scale;  ///< physical = action_goal_offset + action_scale * policy's action
+  std::vector<double> action_offset;
+  std::vector<double> action_low;  ///< physical bounds of the actuator
+  std::vector<double> action_high;
+
+  std::vector<double> start;        ///< nominal initial state
+  std::vector<double> start_range;  ///< training starts at start + U(±start_range)
+  std::vector<double> fail_low;     ///< the episode fails outside [fail_low, fail_high]
+  std::vector<double> fail_high;
+  std::vector<bool> wraps;  ///< the error of this component is taken modulo a turn in the reward
+
+  std::vector<double> state_weights;  ///< of the reward exp(-J), J = sum w e^2 + w_u sum (u - u_goal)^2
+  double action_weight = 0;           ///< per squared physical unit of the action
+  std::vector<double> action_goal;
+  std::vector<double> error_weights;  ///< components that count in rmse_scg
+  std::string action_unit() const { return normalized_action ? "normalised" : action.front().unit; }
+  std::size_t observations() const { return state.size() + reference.size(); }
+};
+
+/// A batch of plants in motion; every view has the same lanes. State rows: visible components, then hidden ones.
+struct Motion {
+  Rows<double> state;
+  Rows<const double> parameters;
+  Rows<const double> action;  ///< physical, saturated as it acts
+  Rows<const double> force;
+};
+
+/// x(k+1) - x* = A (x(k) - x*) + B (u(k) - u*), over one control step.
+struct Linearisation {
+  Eigen::MatrixXd a;
+  Eigen::MatrixXd b;
+};
+
+/// The equations of motion of a plant with its task. Immutable; what changes is passed in.
+class Plant {
+ public:
+  virtual ~Plant() = default;
+
+  virtual const PlantSpec& spec() const = 0;
+
+  /// Advances every lane by one control step of spec().physics_rate / spec().control_rate substeps. Whole packs are
+  /// run: rows must be padded as Matrix pads them. The bits of a lane do not depend on the other lanes.
+  virtual void advance(const Motion& motion) const noexcept = 0;
+
+  /// Writes the goal state that the reward of control step k compares the new state with.
+  virtual void goal(std::int64_t step, std::span<double> goal) const noexcept = 0;
+
+  /// Sets the hidden rows of one lane from its visible state at the start of an episode.
+  virtual void begin(Rows<double> state, std::size_t lane) const noexcept = 0;
+
+  /// The exact derivative of one control step (dual numbers), at a state and a physical action, nominal parameters.
+  virtual Linearisation linearise(std::span<const double> state, std::span<const double> action) const = 0;
+};
+
+/// Every plant there is, in the order of plants/list.inc.
+const Catalog<Plant>& plants();
+
+}  // namespace gust

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "gust/core/dual.h"
+#include "gust/core/pack.h"
+#include "gust/sim/plant.h"
+
+namespace gust {
+
+inline bool any(bool condition) { return condition; }
+inline bool any(PackMask condition) { return (condition[0] | condition[1] | condition[2] | condition[3]) != 0; }
+
+/// The plant of a law: `Options` gives the spec, the goal and `template <class T> Law`, the equations written once.
+/// Law<T>(options, parameters) prepares what a control step shares; substep(state, action, force, dt) moves by dt.
+template <class Options>
+class LawPlant final : public Plant {
+ public:
+  explicit LawPlant(const Options& options)
+      : options_(options), spec_(options.spec()), substeps_(std::lround(spec_.physics_rate / spec_.control_rate)) {}
+
+  const PlantSpec& spec() const override { return spec_; }
+
+  void advance(const Motion& motion) const noexcept override {
+    // Two packs at a time: their chains of dependent operations overlap.
+    for (std::size_t lane = 0; lane < motion.state.lanes; lane += 2 * kPackLanes) advance_packs(motion, lane);
+  }
+
+  void goal(std::int64_t step, std::span<double> goal) const noexcept override { options_.goal_at(step, goal); }
+
+  void begin(Rows<double> state, std::size_t lane) const noexcept override { options_.begin(state, lane); }
+
+  Linearisation linearise(std::span<const double> state, std::span<const double> action) const override {
+    constexpr int kInputs = Options::kStates + Options::kActions;
+    using D = Dual<kInputs>;
+    std::array<D, Options::kStates> x;
+    std::array<D, Options::kActions> u;
+    std::array<D, Options::kForces> force;
+    std::array<D, Options::kParameters> parameters;
+    for (int i = 0; i < Options::kStates; ++i) x[i] = D::input(state[i], i);
+    for (int i = 0; i < Options::kActions; ++i) u[i] = D::input(action[i], Options::kStates + i);
+    for (int i = 0; i < Options::kParameters; ++i) parameters[i] = D(spec_.parameters[i].nominal);
+
+    const typename Options::template Law<D> law(options_, parameters.data());
+    for (long n = 0; n < substeps_; ++n) law.substep(x.data(), u.data(), force.data(), 1.0 / spec_.physics_rate);
+
+    Linearisation result{Eigen::MatrixXd(Options::kStates, Options::kStates),
+                         Eigen::MatrixXd(Options::kStates, Options::kActions)};
+    for (int i = 0; i < Options::kStates; ++i) {
+      for (int j = 0; j < Options::kStates; ++j) result.a(i, j) = x[i].slope[j];
+      for (int j = 0; j < Options::kActions; ++j) result.b(i, j) = x[i].slope[Options::kStates + j];
+    }
+    return result;
+  }
+
+ private:
+  using Law = typename Options::template Law<Pack>;
+  struct Lanes {
+    std::array<Pack, Options::kStates> state;
+    std::array<Pack, Options::kActions> action;
+    std::array<Pack, Options::kForces> force;
+    std::array<Pack, Options::kParameters> parameters;
+
+    Lanes(const Motion& motion, std::size_t lane) {
+      for (int i = 0; i < Options::kStates; ++i) state[i] = load(&motion.state.at(i, lane));
+      for (int i = 0; i < Options::kActions; ++i) action[i] = load(&motion.action.at(i, lane));
+      for (int i = 0; i < Options::kForces; ++i) force[i] = load(&motion.force.at(i, lane));
+      for (int i = 0; i < Options::kParameters; ++i) parameters[i] = load(&motion.parameters.at(i, lane));
+    }
+  };
+
+  void advance_packs(const Motion& motion, std::size_t lane) const noexcept {
+    Lanes a(motion, lane);
+    Lanes b(motion, lane + kPackLanes);
+    const Law law_a(options_, a.parameters.data());
+    const Law law_b(options_, b.parameters.data());
+    const double dt = 1.0 / spec_.physics_rate;
+    for (long n = 0; n < substeps_; ++n) {
+      law_a.substep(a.state.data(), a.action.data(), a.force.data(), dt);
+      law_b.substep(b.state.data(), b.action.data(), b.force.data(), dt);
+    }
+    for (int i = 0; i < Options::kStates; ++i) {
+      store(&motion.state.at(i, lane), a.state[i]);
+      store(&motion.state.at(i, lane + kPackLanes), b.state[i]);
+    }
+  }
+
+  Options options_;
+  PlantSpec spec_;
+  long substeps_;
+};
+
+template <class Options>
+Entry<Plant> plant_entry(std::string name, std::string summary, std::string source) {
+  return make_entry<Plant, Options>(std::move(name), std::move(summary), std::move(source),
+                                    [](const Options& options) { return std::make_unique<LawPlant<Options>>(options); });
+}
+
+}  // namespace gust
