@@ -1,0 +1,170 @@
+#include "gust/disturb/injection.h"
+
+#include <algorithm>
+#include <array>
+
+namespace gust {
+namespace {
+
+constexpr std::string_view kSiteNames[] = {"observation", "action", "dynamics"};
+
+std::vector<std::string> names_of(const std::vector<Component>& components) {
+  std::vector<std::string> names;
+  for (const Component& component : components) names.push_back(component.name);
+  return names;
+}
+
+std::size_t channel_index(const std::vector<std::string>& names, const std::string& name, const Place& place) {
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at != names.end()) return static_cast<std::size_t>(at - names.begin());
+  throw error_at(place, "unknown channel '", name, "'", did_you_mean(name, names), "; the site has ",
+                 join(names, ", "));
+}
+
+/// "all", a name, a list of names, or a table of factors.
+std::vector<double> read_channels(const Value& value, const std::vector<std::string>& names) {
+  if (const auto* text = std::get_if<std::string>(&value.data); text && *text == "all") {
+    return std::vector<double>(names.size(), 1.0);
+  }
+  std::vector<double> factors(names.size(), 0.0);
+  if (const auto* table = std::get_if<Table>(&value.data)) {
+    for (const auto& [name, factor] : table->items) {
+      factors[channel_index(names, name, factor.place)] = factor.as_number(name);
+    }
+  } else if (std::holds_alternative<std::string>(value.data)) {
+    factors[channel_index(names, value.as_text("channels"), value.place)] = 1.0;
+  } else {
+    for (const Value& name : value.as_list("channels")) {
+      factors[channel_index(names, name.as_text("channels"), name.place)] = 1.0;
+    }
+  }
+  return factors;
+}
+
+/// One factor per channel, or a word of digits such as "10".
+std::vector<double> read_mask(const Value& value, std::size_t channels) {
+  std::vector<double> mask;
+  const auto* number = std::get_if<std::int64_t>(&value.data);
+  const std::string digits = number                                            ? cat(*number)
+                             : std::holds_alternative<std::string>(value.data) ? value.as_text("mask")
+                                                                               : "";
+  if (digits.empty()) {
+    mask = value.as_numbers("mask");
+  } else {
+    for (const char digit : digits) {
+      if (digit != '0' && digit != '1')
+        throw error_at(value.place, "'mask' must be made of 0 and 1, got '", digits, "'");
+      mask.push_back(digit - '0');
+    }
+  }
+  if (mask.size() != channels) {
+    throw error_at(value.place, "'mask' must have ", channels, " entries, one a channel, got ", mask.size());
+  }
+  return mask;
+}
+
+std::int64_t read_step(const Table& table, const char* key, std::int64_t standard, std::int64_t steps) {
+  const Value* value = table.find(key);
+  if (value == nullptr) return standard;
+  const std::int64_t step = value->as_int(key);
+  if (step < 0 || step > steps) {
+    throw error_at(value->place, "'", key, "' must lie within the episode, 0 to ", steps, ", got ", step);
+  }
+  return step;
+}
+
+Made<Waveform> read_waveform(const Value& value) {
+  if (const auto* name = std::get_if<std::string>(&value.data)) {
+    Table table{{{"kind", Value{*name, value.place}}}, value.place};
+    return waveforms().make(table);
+  }
+  return waveforms().make(value.as_table("waveform"));
+}
+
+}  // namespace
+
+std::string_view site_name(Site site) { return kSiteNames[static_cast<int>(site)]; }
+
+Site site_from(std::string_view name, const Place& place) {
+  for (const Site site : kSites) {
+    if (name == site_name(site)) return site;
+  }
+  const std::vector<std::string> names(std::begin(kSiteNames), std::end(kSiteNames));
+  throw error_at(place, "unknown site '", name, "'", did_you_mean(name, names), "; sites are ", join(names, ", "));
+}
+
+const std::vector<Component>& channels_of(Site site, const PlantSpec& spec) {
+  switch (site) {
+    case Site::kObservation:
+      return spec.state;
+    case Site::kAction:
+      return spec.action;
+    default:
+      return spec.force;
+  }
+}
+
+std::string Injection::canonical() const {
+  const std::string window =
+      end == std::numeric_limits<std::int64_t>::max() ? cat("[", start, ", end)") : cat("[", start, ", ", end, ")");
+  return cat(site_name(site), " ", waveform.canonical, " channels ", canonical_text(factors), " during ", window);
+}
+
+Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also) {
+  std::vector<std::string> known = {"site", "waveform", "channels", "mask", "start", "end", "level"};
+  known.insert(known.end(), also.begin(), also.end());
+  check_keys(table, known, "a disturbance");
+  const Value* site = table.find("site");
+  const Value* waveform = table.find("waveform");
+  if (site == nullptr) throw error_at(table.place, "a disturbance needs a 'site': observation, action or dynamics");
+  if (waveform == nullptr) throw error_at(table.place, "a disturbance needs a 'waveform' (gust list waveforms)");
+
+  Injection injection;
+  injection.site = site_from(site->as_text("site"), site->place);
+  injection.waveform = read_waveform(*waveform);
+  const std::vector<std::string> names = names_of(channels_of(injection.site, spec));
+  injection.factors.assign(names.size(), 1.0);
+  if (const Value* channels = table.find("channels")) injection.factors = read_channels(*channels, names);
+  if (const Value* mask = table.find("mask")) injection.factors = read_mask(*mask, names.size());
+  injection.start = read_step(table, "start", 0, spec.steps);
+  injection.end = read_step(table, "end", injection.end, spec.steps);
+  if (injection.end <= injection.start) {
+    throw error_at(table.find("end")->place, "'end' must be after 'start', got ", injection.end, " and ",
+                   injection.start);
+  }
+  if (injection.waveform->onset() >= spec.steps) {
+    throw error_at(waveform->place, "the waveform's 'offset' must lie within the episode of ", spec.steps,
+                   " control steps, got ", injection.waveform->onset());
+  }
+  if (const Value* level = table.find("level")) injection.level = level->as_number("level");
+  return injection;
+}
+
+Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode)
+    : length_(static_cast<std::size_t>(spec.steps) + 1) {
+  std::size_t channels = 0;
+  for (const Injection& injection : injections) {
+    first_.push_back(channels);
+    channels += injection.factors.size();
+  }
+  values_.resize(channels * length_);
+
+  std::array<std::uint64_t, std::size(kSites)> seen{};
+  for (std::size_t i = 0; i < injections.size(); ++i) {
+    const Injection& injection = injections[i];
+    const Rng stream = episode.split(site_name(injection.site)).split(seen[static_cast<int>(injection.site)]++);
+    const bool shifted = injection.site == Site::kObservation;
+    for (std::size_t c = 0; c < injection.factors.size(); ++c) {
+      const std::span<double> out(values_.data() + (first_[i] + c) * length_, length_);
+      injection.waveform->fill(out, spec.control_rate, stream.split(c));
+      if (shifted && !injection.waveform->random()) std::copy_backward(out.begin(), out.end() - 1, out.end());
+      for (std::size_t k = 0; k < length_; ++k) {
+        const auto step = static_cast<std::int64_t>(shifted && k > 0 ? k - 1 : k);
+        const bool on = step >= injection.start && step < injection.end;
+        out[k] = on ? out[k] * injection.factors[c] : 0.0;
+      }
+    }
+  }
+}
+
+}  // namespace gust

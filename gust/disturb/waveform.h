@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+
+#include "gust/core/catalog.h"
+#include "gust/core/rng.h"
+
+namespace gust {
+
+/// The shape of a disturbance over one episode, one scalar per control step; a level scales it.
+///
+/// A waveform is open loop: it knows the step and a random stream, and nothing of plant, policy or site.
+class Waveform {
+ public:
+  virtual ~Waveform() = default;
+
+  /// Writes the value for step k of an episode into out[k]; rate is the control rate [Hz].
+  /// Equal arguments give equal bits, on any thread and for any batch size.
+  virtual void fill(std::span<double> out, double rate, Rng rng) const = 0;
+
+  /// Whether the values depend on the random stream: each channel then has its own.
+  virtual bool random() const = 0;
+
+  /// The last control step at which the shape begins to act, for windows that can be checked; 0 if from the start.
+  virtual std::int64_t onset() const = 0;
+};
+
+/// Every waveform there is, in the order of waveforms/list.inc.
+const Catalog<Waveform>& waveforms();
+
+}  // namespace gust
