@@ -26,10 +26,9 @@ struct Parameter {
 
 /// Everything about a plant and its task that is data: what is measured, pushed, charged and forbidden. SI units.
 struct PlantSpec {
-  std::vector<Component> state;      ///< also the observation's first components
-  std::vector<Component> reference;  ///< components appended to the observation, none for a fixed goal
-  std::vector<Component> action;     ///< physical inputs
-  std::vector<Component> force;      ///< the dynamics site
+  std::vector<Component> state;   ///< also what is observed
+  std::vector<Component> action;  ///< physical inputs
+  std::vector<Component> force;   ///< the dynamics site
   std::vector<Parameter> parameters;
   std::size_t hidden = 0;  ///< rows of integrator memory that follow the state
 
@@ -38,7 +37,7 @@ struct PlantSpec {
   std::int64_t steps = 0;   ///< control steps in an episode
 
   bool normalized_action = false;    ///< the policy acts in [-1, 1]
-  std::vector<double> action_scale;  ///< physical = action_goal_offset + action_scale * policy's action
+  std::vector<double> action_scale;  ///< physical = action_offset + action_scale * the policy's action
   std::vector<double> action_offset;
   std::vector<double> action_low;  ///< physical bounds of the actuator
   std::vector<double> action_high;
@@ -54,7 +53,6 @@ struct PlantSpec {
   std::vector<double> action_goal;
   std::vector<double> error_weights;  ///< components that count in rmse_scg
   std::string action_unit() const { return normalized_action ? "normalised" : action.front().unit; }
-  std::size_t observations() const { return state.size() + reference.size(); }
 };
 
 /// A batch of plants in motion; every view has the same lanes. State rows: visible components, then hidden ones.
@@ -82,8 +80,8 @@ class Plant {
   /// run: rows must be padded as Matrix pads them. The bits of a lane do not depend on the other lanes.
   virtual void advance(const Motion& motion) const noexcept = 0;
 
-  /// Writes the goal state that the reward of control step k compares the new state with.
-  virtual void goal(std::int64_t step, std::span<double> goal) const noexcept = 0;
+  /// Writes the goal state that the reward compares the state with.
+  virtual void goal(std::span<double> goal) const noexcept = 0;
 
   /// Sets the hidden rows of one lane from its visible state at the start of an episode.
   virtual void begin(Rows<double> state, std::size_t lane) const noexcept = 0;

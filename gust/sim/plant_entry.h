@@ -27,7 +27,7 @@ class LawPlant final : public Plant {
     for (std::size_t lane = 0; lane < motion.state.lanes; lane += 2 * kPackLanes) advance_packs(motion, lane);
   }
 
-  void goal(std::int64_t step, std::span<double> goal) const noexcept override { options_.goal_at(step, goal); }
+  void goal(std::span<double> to) const noexcept override { options_.write_goal(to); }
 
   void begin(Rows<double> state, std::size_t lane) const noexcept override { options_.begin(state, lane); }
 
@@ -93,8 +93,9 @@ class LawPlant final : public Plant {
 
 template <class Options>
 Entry<Plant> plant_entry(std::string name, std::string summary, std::string source) {
-  return make_entry<Plant, Options>(std::move(name), std::move(summary), std::move(source),
-                                    [](const Options& options) { return std::make_unique<LawPlant<Options>>(options); });
+  return make_entry<Plant, Options>(std::move(name), std::move(summary), std::move(source), [](const Options& options) {
+    return std::make_unique<LawPlant<Options>>(options);
+  });
 }
 
 }  // namespace gust

@@ -82,7 +82,7 @@ struct CartPole {
 
   PlantSpec spec() const;
 
-  void goal_at(std::int64_t, std::span<double> to) const noexcept { std::copy(goal.begin(), goal.end(), to.begin()); }
+  void write_goal(std::span<double> to) const noexcept { std::copy(goal.begin(), goal.end(), to.begin()); }
   void begin(Rows<double>, std::size_t) const noexcept {}
 
   template <class T>

@@ -34,8 +34,8 @@ struct Batch {
 double energy(const double* s) {
   const double m = 0.1, l = 0.5, M = 1.0, g = 9.8;
   const double inertia = m / 12 * (0.05 * 0.05 + 4 * l * l);
-  return 0.5 * (M + m) * s[1] * s[1] + m * l * s[1] * s[3] * std::cos(s[2]) + 0.5 * (inertia + m * l * l) * s[3] * s[3] +
-         m * g * l * std::cos(s[2]);
+  return 0.5 * (M + m) * s[1] * s[1] + m * l * s[1] * s[3] * std::cos(s[2]) +
+         0.5 * (inertia + m * l * l) * s[3] * s[3] + m * g * l * std::cos(s[2]);
 }
 
 }  // namespace

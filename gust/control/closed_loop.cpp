@@ -1,0 +1,216 @@
+#include "gust/control/closed_loop.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/math.h"
+
+namespace gust {
+namespace {
+
+Matrix<double> filled_rows(std::size_t lanes, const std::vector<double>& values) {
+  Matrix<double> matrix(values.size(), lanes);
+  for (std::size_t i = 0; i < values.size(); ++i) std::ranges::fill(matrix.row(i), values[i]);
+  return matrix;
+}
+
+/// f on every pack of a row; rows are padded, so whole packs may be run.
+template <class F>
+void for_each_pack(std::size_t lanes, F&& f) {
+  for (std::size_t lane = 0; lane < lanes; lane += kPackLanes) f(lane);
+}
+
+Effort effort_from(std::string_view name) {
+  if (name == "commanded") return Effort::kCommanded;
+  return name == "disturbed" ? Effort::kDisturbed : Effort::kApplied;
+}
+
+}  // namespace
+
+ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<const Injection> injections,
+                       std::size_t lanes)
+    : plant_(plant),
+      effort_(effort_from(readings.effort)),
+      boxed_(readings.command_clip == "box" || readings.saturate == "before"),
+      saturates_(readings.saturate == "after"),
+      injections_(injections),
+      lanes_(lanes),
+      counter_(lanes, 0),
+      failed_(lanes, 0),
+      signals_(lanes),
+      levels_(injections.size(), lanes),
+      state_(plant.spec().state.size() + plant.spec().hidden, lanes),
+      parameters_(filled_rows(Matrix<double>::padded(lanes), nominal_parameters(plant.spec()))),
+      goal_(plant.spec().state.size(), lanes),
+      observation_(plant.spec().state.size(), lanes),
+      command_(plant.spec().action.size(), lanes),
+      commanded_(plant.spec().action.size(), lanes),
+      disturbed_(plant.spec().action.size(), lanes),
+      applied_(plant.spec().action.size(), lanes),
+      force_(plant.spec().force.size(), lanes),
+      reward_commanded_(1, lanes),
+      reward_disturbed_(1, lanes),
+      reward_applied_(1, lanes),
+      cost_(1, lanes) {
+  for (const Injection& injection : injections) disturbs_[static_cast<int>(injection.site)] = true;
+  std::vector<double> goal(goal_.rows());
+  plant.goal(goal);
+  for (std::size_t i = 0; i < goal.size(); ++i) std::ranges::fill(goal_.row(i), goal[i]);
+}
+
+void ClosedLoop::begin(std::size_t lane, const EpisodeStart& start) {
+  const PlantSpec& spec = plant_.spec();
+  GUST_CHECK(start.state.size() == spec.state.size() && start.parameters.size() == spec.parameters.size());
+  GUST_CHECK(start.levels.size() == injections_.size() && (injections_.empty() || start.signals));
+  counter_[lane] = 0;
+  failed_[lane] = 0;
+  signals_[lane] = start.signals;
+  for (std::size_t i = 0; i < injections_.size(); ++i) levels_.at(i, lane) = start.levels[i];
+  for (std::size_t i = 0; i < spec.state.size(); ++i) state_.at(i, lane) = start.state[i];
+  for (std::size_t i = 0; i < spec.parameters.size(); ++i) parameters_.at(i, lane) = start.parameters[i];
+  plant_.begin(state_.view(), lane);
+  for (std::size_t i = 0; i < spec.state.size(); ++i) observation_.at(i, lane) = start.state[i];
+  if (disturbs(Site::kObservation)) add_signals(Site::kObservation, lane, observation_);
+}
+
+void ClosedLoop::step(Rows<const double> command, Rows<const double> push, Rows<const double> nudge) noexcept {
+  command_actions(command);
+  disturb_actions(nudge);
+  saturate_actions();
+  draw_forces(push);
+  plant_.advance({state_.view(), parameters_.view(), applied_.view(), force_.view()});
+  judge();
+  for (std::int64_t& counter : counter_) ++counter;
+  observe();
+}
+
+/// The policy's unit becomes the physical one; with a box (or where saturation comes first) the command is clipped.
+void ClosedLoop::command_actions(Rows<const double> command) noexcept {
+  const PlantSpec& spec = plant_.spec();
+  for (std::size_t i = 0; i < spec.action.size(); ++i) {
+    const double box_low = spec.normalized_action ? spec.action_offset[i] - spec.action_scale[i] : spec.action_low[i];
+    const double box_high = spec.normalized_action ? spec.action_offset[i] + spec.action_scale[i] : spec.action_high[i];
+    for (std::size_t lane = 0; lane < lanes_; ++lane) {
+      const double wanted = spec.action_offset[i] + spec.action_scale[i] * command.at(i, lane);
+      command_.at(i, lane) = boxed_ ? clip(wanted, box_low, box_high) : wanted;
+      commanded_.at(i, lane) = clip(wanted, spec.action_low[i], spec.action_high[i]);
+    }
+  }
+}
+
+void ClosedLoop::disturb_actions(Rows<const double> nudge) noexcept {
+  for (std::size_t i = 0; i < disturbed_.rows(); ++i) {
+    std::ranges::copy(command_.row(i), disturbed_.row(i).begin());
+  }
+  if (disturbs(Site::kAction)) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) add_signals(Site::kAction, lane, disturbed_);
+  }
+  for (std::size_t i = 0; i < nudge.rows; ++i) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) disturbed_.at(i, lane) += nudge.at(i, lane);
+  }
+}
+
+void ClosedLoop::saturate_actions() noexcept {
+  const PlantSpec& spec = plant_.spec();
+  for (std::size_t i = 0; i < applied_.rows(); ++i) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) {
+      const double sum = disturbed_.at(i, lane);
+      applied_.at(i, lane) = saturates_ ? clip(sum, spec.action_low[i], spec.action_high[i]) : sum;
+    }
+  }
+}
+
+/// Drawn once a control step and held over its substeps.
+void ClosedLoop::draw_forces(Rows<const double> push) noexcept {
+  for (std::size_t i = 0; i < force_.rows(); ++i) std::ranges::fill(force_.row(i), 0.0);
+  if (disturbs(Site::kDynamics)) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) add_signals(Site::kDynamics, lane, force_);
+  }
+  for (std::size_t i = 0; i < push.rows; ++i) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) force_.at(i, lane) += push.at(i, lane);
+  }
+}
+
+/// Reward and failure come from the true state after the step.
+void ClosedLoop::judge() noexcept {
+  const PlantSpec& spec = plant_.spec();
+  for_each_pack(lanes_, [&](std::size_t lane) {
+    Pack cost{};
+    for (std::size_t i = 0; i < spec.state.size(); ++i) {
+      if (spec.state_weights[i] == 0.0) continue;
+      const Pack value = load(&state_.at(i, lane));
+      const Pack error = (spec.wraps[i] ? wrap_angle(value) : value) - load(&goal_.at(i, lane));
+      cost += spec.state_weights[i] * error * error;
+    }
+    store(&cost_.at(0, lane), cost);
+  });
+  charge(commanded_.view(), reward_commanded_.row(0));
+  charge(disturbed_.view(), reward_disturbed_.row(0));
+  if (effort_ == Effort::kApplied) charge(applied_.view(), reward_applied_.row(0));
+  std::ranges::fill(failed_, std::uint8_t{0});
+  for (std::size_t i = 0; i < spec.state.size(); ++i) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) {
+      const double value = state_.at(i, lane);
+      const bool inside = value >= spec.fail_low[i] && value <= spec.fail_high[i] && std::isfinite(value);
+      failed_[lane] |= static_cast<std::uint8_t>(!inside);  // no number is never inside
+    }
+  }
+}
+
+std::span<const double> ClosedLoop::reward() const {
+  switch (effort_) {
+    case Effort::kCommanded:
+      return reward_commanded_.row(0);
+    case Effort::kDisturbed:
+      return reward_disturbed_.row(0);
+    default:
+      return reward_applied_.row(0);
+  }
+}
+
+/// reward = exp(-(cost + w_u sum (u - u_goal)^2)); tasks 1.5.
+void ClosedLoop::charge(Rows<const double> action, std::span<double> reward) const noexcept {
+  const PlantSpec& spec = plant_.spec();
+  for_each_pack(lanes_, [&](std::size_t lane) {
+    Pack effort{};
+    for (std::size_t i = 0; i < action.rows; ++i) {
+      const Pack difference = load(&action.at(i, lane)) - spec.action_goal[i];
+      effort += difference * difference;
+    }
+    store(&reward[lane], gust::exp(-(load(&cost_.at(0, lane)) + spec.action_weight * effort)));
+  });
+}
+
+void ClosedLoop::observe() noexcept {
+  for (std::size_t i = 0; i < observation_.rows(); ++i) std::ranges::copy(state_.row(i), observation_.row(i).begin());
+  if (!disturbs(Site::kObservation)) return;
+  for (std::size_t lane = 0; lane < lanes_; ++lane) add_signals(Site::kObservation, lane, observation_);
+}
+
+/// Adds every disturbance of a site to one lane, in the order in which the study lists them.
+void ClosedLoop::add_signals(Site site, std::size_t lane, Matrix<double>& to) const noexcept {
+  const auto last = static_cast<std::int64_t>(plant_.spec().steps);
+  const std::int64_t k = std::min(counter_[lane], last);
+  for (std::size_t i = 0; i < injections_.size(); ++i) {
+    if (injections_[i].site != site) continue;
+    const double level = levels_.at(i, lane);
+    for (std::size_t c = 0; c < injections_[i].factors.size(); ++c) {
+      to.at(c, lane) += level * signals_[lane]->channel(i, c)[k];
+    }
+  }
+}
+
+std::vector<double> nominal_parameters(const PlantSpec& spec) {
+  std::vector<double> values;
+  for (const Parameter& parameter : spec.parameters) values.push_back(parameter.nominal);
+  return values;
+}
+
+std::vector<double> random_start(const PlantSpec& spec, Rng episode) {
+  const Rng rng = episode.split("start");
+  std::vector<double> state = spec.start;
+  for (std::size_t i = 0; i < state.size(); ++i) state[i] += spec.start_range[i] * (2.0 * rng.uniform(i) - 1.0);
+  return state;
+}
+
+}  // namespace gust

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "gust/control/readings.h"
+#include "gust/disturb/injection.h"
+#include "gust/sim/plant.h"
+
+namespace gust {
+
+/// Which action the reward charges; see Readings.
+enum class Effort { kCommanded, kDisturbed, kApplied };
+
+/// How an episode begins: true state, plant parameters, and what disturbs it.
+struct EpisodeStart {
+  std::vector<double> state;               ///< visible components
+  std::vector<double> parameters;          ///< in the order of the plant's spec
+  std::vector<double> levels;              ///< one factor per injection
+  std::shared_ptr<const Signals> signals;  ///< shared: many lanes meet the same noise at their own levels
+};
+
+/// A batch of episodes, one a lane, stepped together: the only place where plant, disturbance and command meet.
+///
+/// Every lane is by itself: it begins, ends and begins again without touching the others, and its bits do not depend
+/// on them. The plant and the injections must outlive the loop.
+class ClosedLoop {
+ public:
+  ClosedLoop(const Plant& plant, const Readings& readings, std::span<const Injection> injections, std::size_t lanes);
+
+  /// Puts a lane at the start of an episode; its first observation is there afterwards.
+  void begin(std::size_t lane, const EpisodeStart& start);
+
+  /// One control step of every lane with these commands (actions x lanes, in the policy's unit). `push` is added to
+  /// the dynamics disturbance and `nudge` to the action disturbance [physical units]: an adversary's share.
+  void step(Rows<const double> command, Rows<const double> push = {}, Rows<const double> nudge = {}) noexcept;
+
+  const Plant& plant() const { return plant_; }
+  std::size_t lanes() const { return lanes_; }
+  /// Control steps done in this lane's episode.
+  std::int64_t steps_done(std::size_t lane) const { return counter_[lane]; }
+
+  /// What the policy sees now: the disturbed state, states x lanes.
+  Rows<const double> observation() const { return observation_.view(); }
+  /// The true state after the last step.
+  Rows<const double> state() const { return state_.view().first_rows(plant_.spec().state.size()); }
+  /// The goal that the last step's reward compared with.
+  Rows<const double> goal() const { return goal_.view(); }
+  /// Of the last step: what was commanded (clipped to the actuator's bounds), what the disturbance made of it, and
+  /// what the plant received; physical units.
+  Rows<const double> commanded() const { return commanded_.view(); }
+  Rows<const double> disturbed() const { return disturbed_.view(); }
+  Rows<const double> applied() const { return applied_.view(); }
+  /// The force at the dynamics site during the last step.
+  Rows<const double> force() const { return force_.view(); }
+  /// Reward of the last step, charged with the effort that the readings name.
+  std::span<const double> reward() const;
+  /// Rewards of the last step under both readings that recordings have: commanded and disturbed effort.
+  std::span<const double> reward_commanded() const { return reward_commanded_.row(0); }
+  std::span<const double> reward_disturbed() const { return reward_disturbed_.row(0); }
+  /// Whether the true state has left the safe set in the last step, or is no number any more.
+  bool failed(std::size_t lane) const { return failed_[lane]; }
+
+ private:
+  void command_actions(Rows<const double> command) noexcept;
+  void disturb_actions(Rows<const double> nudge) noexcept;
+  void saturate_actions() noexcept;
+  void draw_forces(Rows<const double> push) noexcept;
+  void judge() noexcept;
+  void charge(Rows<const double> action, std::span<double> reward) const noexcept;
+  void observe() noexcept;
+  bool disturbs(Site site) const noexcept { return disturbs_[static_cast<int>(site)]; }
+  void add_signals(Site site, std::size_t lane, Matrix<double>& to) const noexcept;
+
+  const Plant& plant_;
+  Effort effort_;
+  bool boxed_;      // the command is clipped to its box before anything is added
+  bool saturates_;  // the disturbed sum is clipped to the actuator's bounds
+  std::span<const Injection> injections_;
+  std::size_t lanes_;
+  bool disturbs_[std::size(kSites)] = {};
+  std::vector<std::int64_t> counter_;
+  std::vector<std::uint8_t> failed_;
+  std::vector<std::shared_ptr<const Signals>> signals_;
+  Matrix<double> levels_;  // injections x lanes
+  Matrix<double> state_, parameters_, goal_, observation_;
+  Matrix<double> command_, commanded_, disturbed_, applied_, force_;
+  Matrix<double> reward_commanded_, reward_disturbed_, reward_applied_, cost_;
+};
+
+/// The plant's nominal parameters, in the order of its spec.
+std::vector<double> nominal_parameters(const PlantSpec& spec);
+
+/// A start state of the training distribution: nominal plus uniform, drawn from the episode's stream.
+std::vector<double> random_start(const PlantSpec& spec, Rng episode);
+
+}  // namespace gust

@@ -1,0 +1,74 @@
+#include "gust/control/episode.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gust {
+namespace {
+
+/// What one step adds to a part.
+struct StepTally {
+  double reward, commanded, disturbed, squared, masked;
+  bool saturated;
+};
+
+void add(EpisodePart& part, const StepTally& step, Rows<const double> state, std::size_t lane) {
+  ++part.steps;
+  part.return_sum += step.reward;
+  part.return_commanded += step.commanded;
+  part.return_disturbed += step.disturbed;
+  part.squared_error += step.squared;
+  part.squared_masked_error += step.masked;
+  part.saturated_steps += step.saturated ? 1 : 0;
+  for (std::size_t i = 0; i < state.rows; ++i) {
+    part.max_abs_state[i] = std::max(part.max_abs_state[i], std::abs(state.at(i, lane)));
+    part.final_state[i] = state.at(i, lane);
+  }
+}
+
+StepTally tally(const ClosedLoop& loop, const PlantSpec& spec, std::size_t lane) {
+  StepTally step{loop.reward()[lane], loop.reward_commanded()[lane], loop.reward_disturbed()[lane], 0, 0, false};
+  for (std::size_t i = 0; i < spec.state.size(); ++i) {
+    const double error = loop.state().at(i, lane) - loop.goal().at(i, lane);
+    step.squared += error * error;
+    step.masked += spec.error_weights[i] * error * error;
+  }
+  for (std::size_t i = 0; i < spec.action.size(); ++i) {
+    const double wanted = loop.disturbed().at(i, lane);
+    step.saturated = step.saturated || wanted < spec.action_low[i] || wanted > spec.action_high[i];
+  }
+  return step;
+}
+
+}  // namespace
+
+EpisodeMeter::EpisodeMeter(const PlantSpec& spec, std::size_t lanes) : spec_(spec), episodes_(lanes) {
+  for (std::size_t lane = 0; lane < lanes; ++lane) begin(lane);
+}
+
+void EpisodeMeter::begin(std::size_t lane) {
+  Episode& episode = episodes_[lane];
+  episode = Episode{};
+  episode.control_rate = spec_.control_rate;
+  episode.horizon = spec_.steps;
+  for (EpisodePart* part : {&episode.ended, &episode.whole}) {
+    part->max_abs_state.assign(spec_.state.size(), 0.0);
+    part->final_state.assign(spec_.state.size(), 0.0);
+  }
+}
+
+void EpisodeMeter::record(const ClosedLoop& loop) {
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) record_lane(loop, lane);
+}
+
+void EpisodeMeter::record_lane(const ClosedLoop& loop, std::size_t lane) {
+  Episode& episode = episodes_[lane];
+  if (episode.whole.steps >= episode.horizon) return;
+  const StepTally step = tally(loop, spec_, lane);
+  if (!episode.failed) add(episode.ended, step, loop.state(), lane);
+  add(episode.whole, step, loop.state(), lane);
+  episode.failed = episode.failed || loop.failed(lane);
+  episode.finite = episode.finite && std::isfinite(step.squared) && std::isfinite(step.disturbed);
+}
+
+}  // namespace gust

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "gust/control/closed_loop.h"
+
+namespace gust {
+
+/// Sums over the steps of an episode, from the true state after each step.
+struct EpisodePart {
+  std::int64_t steps = 0;
+  double return_sum = 0;  ///< reward as the readings charge it
+  double return_commanded = 0;
+  double return_disturbed = 0;
+  double squared_error = 0;          ///< sum of |state - goal|^2, all components, angles not wrapped
+  double squared_masked_error = 0;   ///< the same over the components with error_weights
+  std::int64_t saturated_steps = 0;  ///< steps in which the actuator could not give the disturbed sum
+  std::vector<double> max_abs_state;
+  std::vector<double> final_state;
+};
+
+/// What is remembered of one episode: up to its end if failure ends it, and over the whole horizon as if it did not.
+/// All metrics are functions of this.
+struct Episode {
+  EpisodePart ended;  ///< up to and with the step that failed
+  EpisodePart whole;  ///< all steps of the horizon
+  bool failed = false;
+  bool finite = true;  ///< false if a state or reward was no finite number; sums are then NaN where it entered
+  double control_rate = 0;
+  std::int64_t horizon = 0;
+
+  /// The part that counts when failure does or does not terminate.
+  const EpisodePart& part(bool terminate) const { return terminate ? ended : whole; }
+};
+
+/// Watches every lane of a loop from its begin() on, through the horizon.
+class EpisodeMeter {
+ public:
+  EpisodeMeter(const PlantSpec& spec, std::size_t lanes);
+
+  /// Forgets what it knew of a lane.
+  void begin(std::size_t lane);
+  /// Takes in the loop's last step.
+  void record(const ClosedLoop& loop);
+  const Episode& episode(std::size_t lane) const { return episodes_[lane]; }
+
+ private:
+  void record_lane(const ClosedLoop& loop, std::size_t lane);
+
+  const PlantSpec& spec_;
+  std::vector<Episode> episodes_;
+};
+
+}  // namespace gust

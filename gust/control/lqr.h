@@ -1,0 +1,28 @@
+#pragma once
+
+#include "gust/control/policy.h"
+#include "gust/sim/plant.h"
+
+namespace gust {
+
+/// Weights of the cost sum x'Qx + u'Ru that the regulator minimises; the diagonal of each.
+struct LqrWeights {
+  std::vector<double> q;  ///< per state component
+  std::vector<double> r;  ///< per physical action, > 0
+};
+
+/// The infinite-horizon discrete gain K of u = u* - K (x - x*), actions x states, from the plant's exact
+/// linearisation about its goal. Throws Error if no stabilising solution is found.
+Eigen::MatrixXd lqr_gain(const Plant& plant, const LqrWeights& weights);
+
+/// Solves the discrete algebraic Riccati equation by the structure-preserving doubling algorithm (Chu, Fan, Lin 2005).
+/// Throws Error if it does not converge.
+Eigen::MatrixXd solve_riccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const LqrWeights& weights);
+
+/// Weights that make the regulator's cost the reward's: those of the plant, with what it leaves free made small.
+LqrWeights reward_weights(const PlantSpec& spec);
+
+/// State feedback with a given gain about the plant's goal, in the policy's action unit.
+std::unique_ptr<Policy> feedback_policy(const Plant& plant, const Eigen::MatrixXd& gain);
+
+}  // namespace gust

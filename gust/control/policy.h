@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "gust/core/rows.h"
+
+namespace gust {
+
+/// Maps observations to actions. Deterministic; it acts and does not learn (an agent trains).
+class Policy {
+ public:
+  virtual ~Policy() = default;
+
+  virtual std::size_t observations() const = 0;
+  virtual std::size_t actions() const = 0;
+
+  /// Writes an action for every lane, in the unit in which the plant's preset lets policies act, not clipped.
+  /// observation is observations() x lanes, action is actions() x lanes. The bits of a lane do not depend on the
+  /// others. An object belongs to one thread: it may use its own scratch memory.
+  virtual void act(Rows<const double> observation, Rows<double> action) = 0;
+};
+
+/// Does nothing: the plant by itself.
+std::unique_ptr<Policy> zero_policy(std::size_t observations, std::size_t actions);
+
+}  // namespace gust
