@@ -1,0 +1,129 @@
+#include "gust/nn/mlp.h"
+
+#include <algorithm>
+
+#include "gust/core/error.h"
+
+namespace gust {
+namespace {
+
+constexpr std::size_t kLine = 16;  // elements; a cache line of floats
+
+std::size_t on_line(std::size_t count) { return (count + kLine - 1) / kLine * kLine; }
+
+}  // namespace
+
+template <class T>
+Mlp<T>::Mlp(MlpShape shape) : shape_(std::move(shape)) {
+  GUST_CHECK(shape_.sizes.size() >= 2);
+  GUST_CHECK(std::ranges::all_of(shape_.sizes, [](std::size_t size) { return size > 0; }));
+  std::size_t size = 0;
+  for (std::size_t layer = 0; layer < shape_.layers(); ++layer) {
+    starts_.push_back(size);
+    size += on_line(shape_.sizes[layer] * shape_.sizes[layer + 1]);
+    starts_.push_back(size);
+    size += on_line(shape_.sizes[layer + 1]);
+  }
+  parameters_.assign(size, T(0));
+}
+
+template <class T>
+MlpWorkspace<T>::MlpWorkspace(const MlpShape& shape, std::size_t max_lanes) : shape_(shape), max_lanes_(max_lanes) {
+  const std::size_t widest = *std::ranges::max_element(shape.sizes);
+  for (std::size_t layer = 0; layer < shape.layers(); ++layer) {
+    const DenseShape size = {shape.sizes[layer], shape.sizes[layer + 1]};
+    layers_.emplace_back(size);
+    outputs_.emplace_back(max_lanes * size.outputs);
+    transposed_.emplace_back(size.narrow() ? 0 : size.inputs * size.outputs);
+  }
+  output_major_.resize(shape.layers());
+  for (Buffer<T>& gradient : sum_gradients_) gradient.resize(std::min(kBlock, max_lanes) * widest);
+  unused_bias_gradient_.resize(widest);
+}
+
+template <class T>
+const T* MlpWorkspace<T>::input_of(std::size_t layer, std::size_t lane) const {
+  return (layer == 0 ? input_ : outputs_[layer - 1].data()) + lane * shape_.sizes[layer];
+}
+
+template <class T>
+std::span<const T> MlpWorkspace<T>::forward(const Mlp<T>& mlp, std::span<const T> input) noexcept {
+  input_ = input.data();
+  lanes_ = input.size() / shape_.inputs();
+  for (std::size_t lane = 0; lane < lanes_; lane += kBlock) forward_block(mlp, {lane, std::min(kBlock, lanes_ - lane)});
+  return {outputs_.back().data(), lanes_ * shape_.outputs()};
+}
+
+template <class T>
+void MlpWorkspace<T>::forward_block(const Mlp<T>& mlp, Lanes lanes) noexcept {
+  const T* parameters = mlp.parameters().data();
+  for (std::size_t layer = 0; layer < layers_.size(); ++layer) {
+    const std::size_t width = shape_.sizes[layer + 1];
+    const std::span y(outputs_[layer].data() + lanes.first * width, lanes.count * width);
+    const std::span bias(parameters + mlp.biases_at(layer), width);
+    layers_[layer].forward(parameters + mlp.weights_at(layer), input_of(layer, lanes.first), y.data(), lanes.count);
+    const bool last = layer + 1 == layers_.size();
+    last ? add_bias(bias, y) : add_bias_and_activate(shape_.activation, bias, y);
+  }
+}
+
+template <class T>
+void MlpWorkspace<T>::backward(const Mlp<T>& mlp, std::span<const T> output_gradient, std::span<T> gradient) noexcept {
+  backward_all(mlp, output_gradient, {.parameters = gradient.data()});
+}
+
+template <class T>
+void MlpWorkspace<T>::backward_to_input(const Mlp<T>& mlp, std::span<const T> output_gradient,
+                                        std::span<T> gradient) noexcept {
+  backward_all(mlp, output_gradient, {.input = gradient.data()});
+}
+
+template <class T>
+void MlpWorkspace<T>::backward_all(const Mlp<T>& mlp, std::span<const T> output_gradient,
+                                   Gradients gradients) noexcept {
+  for (std::size_t layer = gradients.input != nullptr ? 0 : 1; layer < layers_.size(); ++layer) {
+    const T* weights = mlp.parameters().data() + mlp.weights_at(layer);
+    output_major_[layer] = layers_[layer].output_major(weights, transposed_[layer].data());
+  }
+  for (std::size_t lane = 0; lane < lanes_; lane += kBlock) {
+    const Lanes lanes = {lane, std::min(kBlock, lanes_ - lane)};
+    const std::span dy = output_gradient.subspan(lane * shape_.outputs(), lanes.count * shape_.outputs());
+    if (gradients.parameters != nullptr)
+      add_columns(dy, std::span(gradients.parameters + mlp.biases_at(layers_.size() - 1), shape_.outputs()));
+    backward_block(mlp, lanes, dy.data(), gradients);
+  }
+}
+
+template <class T>
+void MlpWorkspace<T>::backward_block(const Mlp<T>& mlp, Lanes lanes, const T* dz, Gradients gradients) noexcept {
+  for (std::size_t layer = layers_.size(); layer-- > 0;) {
+    const Dense<T>& dense = layers_[layer];
+    if (gradients.parameters != nullptr) {
+      T* weight_gradient = gradients.parameters + mlp.weights_at(layer);
+      dense.add_weight_gradient(input_of(layer, lanes.first), dz, weight_gradient, lanes.count);
+    }
+    if (layer == 0) break;
+    T* below = sum_gradients_[layer % 2].data();
+    T* bias_gradient = gradients.parameters != nullptr ? gradients.parameters + mlp.biases_at(layer - 1)
+                                                       : unused_bias_gradient_.data();
+    dense.input_gradient(output_major_[layer], dz, below, lanes.count);
+    activation_gradient(layer - 1, lanes, below, bias_gradient);
+    dz = below;
+  }
+  if (gradients.input != nullptr)
+    layers_[0].input_gradient(output_major_[0], dz, gradients.input + lanes.first * shape_.inputs(), lanes.count);
+}
+
+template <class T>
+void MlpWorkspace<T>::activation_gradient(std::size_t layer, Lanes lanes, T* dz, T* bias_gradient) noexcept {
+  const std::size_t width = shape_.sizes[layer + 1];
+  const std::span<const T> y(outputs_[layer].data() + lanes.first * width, lanes.count * width);
+  through_activations(shape_.activation, y, std::span(dz, y.size()), std::span(bias_gradient, width));
+}
+
+template class Mlp<float>;
+template class Mlp<double>;
+template class MlpWorkspace<float>;
+template class MlpWorkspace<double>;
+
+}  // namespace gust
