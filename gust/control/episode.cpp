@@ -51,6 +51,7 @@ void EpisodeMeter::begin(std::size_t lane) {
   episode = Episode{};
   episode.control_rate = spec_.control_rate;
   episode.horizon = spec_.steps;
+  episode.angle = spec_.angle;
   for (EpisodePart* part : {&episode.ended, &episode.whole}) {
     part->max_abs_state.assign(spec_.state.size(), 0.0);
     part->final_state.assign(spec_.state.size(), 0.0);

@@ -29,6 +29,7 @@ struct Episode {
   bool finite = true;  ///< false if a state or reward was no finite number; sums are then NaN where it entered
   double control_rate = 0;
   std::int64_t horizon = 0;
+  std::size_t angle = 0;  ///< which state component is the angle
 
   /// The part that counts when failure does or does not terminate.
   const EpisodePart& part(bool terminate) const { return terminate ? ended : whole; }

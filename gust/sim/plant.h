@@ -52,6 +52,8 @@ struct PlantSpec {
   double action_weight = 0;           ///< per squared physical unit of the action
   std::vector<double> action_goal;
   std::vector<double> error_weights;  ///< components that count in rmse_scg
+  std::size_t angle = 0;              ///< the state component that is the attitude
+
   std::string action_unit() const { return normalized_action ? "normalised" : action.front().unit; }
 };
 

@@ -155,6 +155,7 @@ PlantSpec CartPole::spec() const {
   spec.action_weight = action_weight;
   spec.action_goal = {0.0};
   spec.error_weights = {1, 0, 1, 0};
+  spec.angle = 2;
   return spec;
 }
 

@@ -1,0 +1,138 @@
+#include "gust/eval/evaluate.h"
+
+#include <algorithm>
+
+namespace gust {
+namespace {
+
+/// The streams of an episode: shared by every policy, level and start.
+Rng episode_stream(const Evaluation& evaluation, std::int64_t episode) {
+  return evaluation.root.split("evaluation").split(static_cast<std::uint64_t>(episode));
+}
+
+/// The disturbances of each episode, drawn when first asked for.
+class SignalStore {
+ public:
+  explicit SignalStore(const Evaluation& evaluation)
+      : evaluation_(evaluation), drawn_(static_cast<std::size_t>(evaluation.episodes)) {}
+
+  std::shared_ptr<const Signals> at(std::int64_t episode) {
+    if (evaluation_.injections.empty()) return nullptr;
+    auto& signals = drawn_[static_cast<std::size_t>(episode)];
+    if (!signals) {
+      signals = std::make_shared<Signals>(evaluation_.injections, evaluation_.plant->spec(),
+                                          episode_stream(evaluation_, episode));
+    }
+    return signals;
+  }
+
+ private:
+  const Evaluation& evaluation_;
+  std::vector<std::shared_ptr<const Signals>> drawn_;
+};
+
+EpisodeStart start_of(const Evaluation& evaluation, const EpisodeIndex& index, SignalStore& signals) {
+  const StartProtocol& protocol = evaluation.starts[index.start];
+  const Cell& cell = evaluation.cells[index.cell];
+  EpisodeStart start;
+  start.state = protocol.random ? random_start(evaluation.plant->spec(), episode_stream(evaluation, index.episode))
+                                : protocol.state;
+  start.parameters = cell.parameters;
+  start.levels = cell.levels;
+  start.signals = signals.at(index.episode);
+  return start;
+}
+
+/// Whether all episodes of a start are one and the same: nothing in them is drawn.
+bool repeats(const Evaluation& evaluation, std::size_t start) {
+  const bool noisy = std::any_of(evaluation.injections.begin(), evaluation.injections.end(),
+                                 [](const Injection& injection) { return injection.waveform->random(); });
+  return !noisy && !evaluation.starts[start].random;
+}
+
+/// Runs these episodes side by side to the end of the horizon.
+std::vector<Episode> run_batch(const Evaluation& evaluation, Policy& policy, SignalStore& signals,
+                               std::span<const EpisodeIndex> indices) {
+  const PlantSpec& spec = evaluation.plant->spec();
+  ClosedLoop loop(*evaluation.plant, evaluation.readings, evaluation.injections, indices.size());
+  EpisodeMeter meter(spec, indices.size());
+  Matrix<double> action(spec.action.size(), indices.size());
+  for (std::size_t lane = 0; lane < indices.size(); ++lane) {
+    loop.begin(lane, start_of(evaluation, indices[lane], signals));
+  }
+  for (std::int64_t k = 0; k < spec.steps; ++k) {
+    policy.act(loop.observation(), action.view());
+    loop.step(action.view());
+    meter.record(loop);
+  }
+  std::vector<Episode> episodes;
+  for (std::size_t lane = 0; lane < indices.size(); ++lane) episodes.push_back(meter.episode(lane));
+  return episodes;
+}
+
+}  // namespace
+
+void evaluate(const Evaluation& evaluation, Policy& policy,
+              const std::function<void(const EpisodeIndex&, const Episode&)>& take, std::size_t lanes) {
+  SignalStore signals(evaluation);
+  std::vector<EpisodeIndex> batch;
+  const auto flush = [&] {
+    const std::vector<Episode> episodes = run_batch(evaluation, policy, signals, batch);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const std::int64_t copies = repeats(evaluation, batch[i].start) ? evaluation.episodes : 1;
+      for (std::int64_t copy = 0; copy < copies; ++copy) {
+        take({batch[i].cell, batch[i].start, batch[i].episode + copy}, episodes[i]);
+      }
+    }
+    batch.clear();
+  };
+  for (std::size_t cell = 0; cell < evaluation.cells.size(); ++cell) {
+    for (std::size_t start = 0; start < evaluation.starts.size(); ++start) {
+      const std::int64_t distinct = repeats(evaluation, start) ? 1 : evaluation.episodes;
+      for (std::int64_t episode = 0; episode < distinct; ++episode) {
+        batch.push_back({cell, start, episode});
+        if (batch.size() == lanes) flush();
+      }
+    }
+  }
+  if (!batch.empty()) flush();
+}
+
+Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeIndex& index) {
+  const PlantSpec& spec = evaluation.plant->spec();
+  const auto steps = static_cast<std::size_t>(spec.steps);
+  SignalStore signals(evaluation);
+  ClosedLoop loop(*evaluation.plant, evaluation.readings, evaluation.injections, 1);
+  Matrix<double> action(spec.action.size(), 1);
+  Trace trace;
+  trace.index = index;
+  trace.state = Matrix<double>(spec.state.size(), steps + 1);
+  trace.observation = Matrix<double>(spec.state.size(), steps + 1);
+  trace.commanded = trace.disturbed = trace.applied = Matrix<double>(spec.action.size(), steps);
+  trace.force = Matrix<double>(spec.force.size(), steps);
+
+  const auto keep = [](Matrix<double>& to, Rows<const double> from, std::size_t column) {
+    for (std::size_t i = 0; i < from.rows; ++i) to.at(i, column) = from.at(i, 0);
+  };
+  loop.begin(0, start_of(evaluation, index, signals));
+  keep(trace.state, loop.state(), 0);
+  keep(trace.observation, loop.observation(), 0);
+  for (std::size_t k = 0; k < steps; ++k) {
+    policy.act(loop.observation(), action.view());
+    loop.step(action.view());
+    keep(trace.state, loop.state(), k + 1);
+    keep(trace.observation, loop.observation(), k + 1);
+    keep(trace.commanded, loop.commanded(), k);
+    keep(trace.disturbed, loop.disturbed(), k);
+    keep(trace.applied, loop.applied(), k);
+    keep(trace.force, loop.force(), k);
+    trace.reward.push_back(loop.reward()[0]);
+    if (loop.failed(0) && trace.failed_at < 0) trace.failed_at = static_cast<std::int64_t>(k) + 1;
+  }
+  return trace;
+}
+
+StartProtocol nominal_start(const PlantSpec& spec) { return {"nominal", false, spec.start}; }
+StartProtocol random_starts() { return {"random", true, {}}; }
+
+}  // namespace gust

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "gust/control/episode.h"
+#include "gust/control/policy.h"
+
+namespace gust {
+
+/// One cell of a sweep: how strong each injection is and what the plant's parameters are.
+struct Cell {
+  std::vector<double> levels;      ///< one per injection
+  std::vector<double> parameters;  ///< in the order of the plant's spec
+};
+
+/// Where the episodes of an evaluation begin.
+struct StartProtocol {
+  std::string name;           ///< "nominal", "random", or the text of an explicit state
+  bool random = false;        ///< drawn from the training distribution, seeded by the number of the episode
+  std::vector<double> state;  ///< if not random
+};
+
+/// What to measure: every cell from every start, `episodes` times. The plant and the injections must outlive it.
+struct Evaluation {
+  const Plant* plant = nullptr;
+  Readings readings;
+  std::span<const Injection> injections;
+  std::vector<Cell> cells;
+  std::vector<StartProtocol> starts;
+  std::int64_t episodes = 25;
+  Rng root{0};  ///< of the study; policies, levels and lanes never change which noise an episode meets
+};
+
+/// Names one episode of an evaluation.
+struct EpisodeIndex {
+  std::size_t cell = 0;
+  std::size_t start = 0;
+  std::int64_t episode = 0;
+};
+
+/// Runs everything, lanes side by side, and hands over each episode in the order cell, start, episode.
+/// Equal arguments give equal bits for any number of lanes at a time.
+void evaluate(const Evaluation& evaluation, Policy& policy,
+              const std::function<void(const EpisodeIndex&, const Episode&)>& take, std::size_t lanes = 256);
+
+/// Everything that happened in one episode, step by step; columns are control steps.
+struct Trace {
+  EpisodeIndex index;
+  Matrix<double> state;        ///< before step 0 and after every step: horizon + 1 columns
+  Matrix<double> observation;  ///< what the policy saw, horizon + 1 columns
+  Matrix<double> commanded, disturbed, applied, force;
+  std::vector<double> reward;
+  std::int64_t failed_at = -1;  ///< number of steps done when it failed, -1 if it did not
+};
+
+/// Runs one episode of an evaluation again and keeps all of it.
+Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeIndex& index);
+
+/// The protocols that a study names: the preset's start and draws from the training distribution.
+StartProtocol nominal_start(const PlantSpec& spec);
+StartProtocol random_starts();
+
+}  // namespace gust

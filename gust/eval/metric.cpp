@@ -1,0 +1,29 @@
+#include "gust/eval/metric.h"
+
+namespace gust {
+
+#define GUST_ENTRY(name) Entry<Metric> metric_##name();
+#include "gust/eval/metrics/list.inc"
+#undef GUST_ENTRY
+
+const Catalog<Metric>& metrics() {
+  static const Catalog<Metric> catalog("metric", {
+#define GUST_ENTRY(name) metric_##name(),
+#include "gust/eval/metrics/list.inc"
+#undef GUST_ENTRY
+                                                 });
+  return catalog;
+}
+
+MetricSet::MetricSet() {
+  for (const Entry<Metric>& entry : metrics().entries()) made_.push_back(entry.make(Table{}));
+}
+
+std::size_t MetricSet::index(std::string_view name, const Place& place) const {
+  metrics().at(name, place);
+  std::size_t i = 0;
+  while (made_[i].kind != name) ++i;
+  return i;
+}
+
+}  // namespace gust

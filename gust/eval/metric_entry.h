@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+
+#include "gust/eval/metric.h"
+
+namespace gust {
+
+/// The metric of a struct with `static constexpr bool kHigherIsBetter`, `static constexpr std::string_view kUnit` and
+/// `double value(const Episode&) const`.
+template <class Options>
+class OptionsMetric final : public Metric {
+ public:
+  explicit OptionsMetric(const Options& options) : options_(options) {}
+  double value(const Episode& episode) const override { return options_.value(episode); }
+  bool higher_is_better() const override { return Options::kHigherIsBetter; }
+  std::string_view unit() const override { return Options::kUnit; }
+
+ private:
+  Options options_;
+};
+
+template <class Options>
+Entry<Metric> metric_entry(std::string name, std::string summary, std::string source) {
+  return make_entry<Metric, Options>(
+      std::move(name), std::move(summary), std::move(source),
+      [](const Options& options) { return std::make_unique<OptionsMetric<Options>>(options); });
+}
+
+/// The sum over the time, in control steps as a number.
+inline double steps_of(const EpisodePart& part) { return static_cast<double>(part.steps); }
+
+// The three readings of the paper's root mean squared error (tasks A11), over the steps of a part.
+inline double rmse_all(const EpisodePart& part) { return std::sqrt(part.squared_error / steps_of(part)); }
+inline double rmse_masked(const EpisodePart& part) { return std::sqrt(part.squared_masked_error / steps_of(part)); }
+inline double root_sum(const EpisodePart& part) { return std::sqrt(part.squared_error); }
+
+}  // namespace gust

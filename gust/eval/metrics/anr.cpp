@@ -1,0 +1,22 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct Anr {
+  static constexpr bool kHigherIsBetter = true;
+  static constexpr std::string_view kUnit = "";
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return episode.ended.return_sum / steps_of(episode.ended); }
+};
+
+}  // namespace
+
+Entry<Metric> metric_anr() {
+  return metric_entry<Anr>(
+      "anr", "Return divided by the length of the episode: the paper's metric, which forgives early failure.",
+      "Glossop et al. 2022, eq. 3; spec: tasks A2");
+}
+
+}  // namespace gust

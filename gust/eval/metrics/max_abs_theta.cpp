@@ -1,0 +1,20 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct MaxAbsTheta {
+  static constexpr bool kHigherIsBetter = false;
+  static constexpr std::string_view kUnit = "rad";
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return episode.ended.max_abs_state[episode.angle]; }
+};
+
+}  // namespace
+
+Entry<Metric> metric_max_abs_theta() {
+  return metric_entry<MaxAbsTheta>("max_abs_theta", "Largest angle until the episode ends.", "gust");
+}
+
+}  // namespace gust

@@ -1,0 +1,20 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct MaxAbsX {
+  static constexpr bool kHigherIsBetter = false;
+  static constexpr std::string_view kUnit = "m";
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return episode.ended.max_abs_state[0]; }
+};
+
+}  // namespace
+
+Entry<Metric> metric_max_abs_x() {
+  return metric_entry<MaxAbsX>("max_abs_x", "Largest distance from the origin until the episode ends.", "gust");
+}
+
+}  // namespace gust

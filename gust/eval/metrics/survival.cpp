@@ -1,0 +1,21 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct Survival {
+  static constexpr bool kHigherIsBetter = true;
+  static constexpr std::string_view kUnit = "";
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return episode.failed ? 0.0 : 1.0; }
+};
+
+}  // namespace
+
+Entry<Metric> metric_survival() {
+  return metric_entry<Survival>(
+      "survival", "1 if the state never left the safe set, else 0; its mean is the share that survives.", "gust");
+}
+
+}  // namespace gust

@@ -1,0 +1,21 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct TimeToFailure {
+  static constexpr bool kHigherIsBetter = true;
+  static constexpr std::string_view kUnit = "s";
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return steps_of(episode.ended) / episode.control_rate; }
+};
+
+}  // namespace
+
+Entry<Metric> metric_time_to_failure() {
+  return metric_entry<TimeToFailure>("time_to_failure",
+                                     "Time until the state leaves the safe set; the horizon if it never does.", "gust");
+}
+
+}  // namespace gust
