@@ -33,7 +33,7 @@ class SignalStore {
 
 EpisodeStart start_of(const Evaluation& evaluation, const EpisodeIndex& index, SignalStore& signals) {
   const StartProtocol& protocol = evaluation.starts[index.start];
-  const Cell& cell = evaluation.cells[index.cell];
+  const SweepCell& cell = evaluation.cells[index.cell];
   EpisodeStart start;
   start.state = protocol.random ? random_start(evaluation.plant->spec(), episode_stream(evaluation, index.episode))
                                 : protocol.state;

@@ -9,7 +9,7 @@
 namespace gust {
 
 /// One cell of a sweep: how strong each injection is and what the plant's parameters are.
-struct Cell {
+struct SweepCell {
   std::vector<double> levels;      ///< one per injection
   std::vector<double> parameters;  ///< in the order of the plant's spec
 };
@@ -26,7 +26,7 @@ struct Evaluation {
   const Plant* plant = nullptr;
   Readings readings;
   std::span<const Injection> injections;
-  std::vector<Cell> cells;
+  std::vector<SweepCell> cells;
   std::vector<StartProtocol> starts;
   std::int64_t episodes = 25;
   Rng root{0};  ///< of the study; policies, levels and lanes never change which noise an episode meets
