@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gust/control/closed_loop.h"
+#include "gust/core/catalog.h"
+#include "gust/nn/mlp.h"
+
+namespace gust {
+
+/// What an agent trains on. Plant and injections must outlive the training.
+struct TrainingTask {
+  const Plant* plant = nullptr;
+  Readings readings;
+  std::span<const Injection> injections;  ///< on during training, each at its own level
+  std::int64_t seed = 0;                  ///< of every random stream of the training
+};
+
+/// Ten deterministic episodes from the training distribution, without any disturbance (algorithms 0.7).
+struct CurvePoint {
+  std::int64_t steps = 0;  ///< environment steps of the training so far
+  double return_mean = 0;  ///< of the return sum, the episode ending at failure
+  double return_std = 0;   ///< population standard deviation
+  double length_mean = 0;
+  double anr = 0;    ///< return / length
+  double anr_h = 0;  ///< return / horizon
+  double rmse_scg = 0;
+};
+
+/// A training in progress. One thread at a time; equal tasks and options give equal bits.
+class Training {
+ public:
+  virtual ~Training() = default;
+
+  /// Does one iteration. Numbers that are none end the training with a failure, they do not throw.
+  virtual void advance() = 0;
+  virtual bool done() const = 0;
+  virtual std::int64_t steps() const = 0;        ///< environment steps done
+  virtual std::int64_t total_steps() const = 0;  ///< environment steps when done
+  /// Why the training ended early; empty if it did not.
+  virtual const std::string& failure() const = 0;
+  virtual const std::vector<CurvePoint>& curve() const = 0;
+  /// The deterministic actor as it is now: observation in, action in the policy's unit out.
+  virtual const Mlp<float>& actor() const = 0;
+
+  /// The whole state between two iterations. A training that loads it goes on exactly as the saved one would have.
+  virtual std::string save() const = 0;
+  /// Throws Error if the bytes are no state of such a training.
+  virtual void load(std::string_view bytes) = 0;
+};
+
+/// Trains policies. Immutable; options come from the catalogue.
+class Agent {
+ public:
+  virtual ~Agent() = default;
+
+  virtual std::int64_t steps() const = 0;  ///< environment steps of a full training
+  virtual std::unique_ptr<Training> start(const TrainingTask& task) const = 0;
+};
+
+/// Every agent there is, in the order of list.inc.
+const Catalog<Agent>& agents();
+
+}  // namespace gust
