@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "gust/control/policy.h"
+#include "gust/study/setup.h"
+
+namespace gust {
+
+/// The policies that need no file: lqr (weights of the plant's reward), zero, pd. An Error at the place for a name that
+/// is none, and for a plant that has no such policy.
+std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place = {"gust"});
+
+/// The policy of an ONNX file. An Error that starts with `name` if the bytes are no policy, if inputs or outputs do not
+/// fit the plant, or if the metadata gust.plant, gust.preset or gust.units say that it was made for something else.
+std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup);
+
+}  // namespace gust
