@@ -21,7 +21,7 @@ endfunction()
 
 gust_dependency(gust_fmt HEADER fmt/format.h)
 target_compile_definitions(gust_fmt INTERFACE FMT_HEADER_ONLY)
-gust_dependency(gust_xxhash HEADER xxhash.h)
+gust_dependency(gust_xxhash HEADER xxhash.h LIBRARIES libxxhash.a)
 gust_dependency(gust_json HEADER nlohmann/json.hpp)
 gust_dependency(gust_toml HEADER toml++/toml.h)
 gust_dependency(gust_sqlite HEADER sqlite3.h LIBRARIES libsqlite3.a)

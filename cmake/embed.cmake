@@ -51,16 +51,23 @@ std::string_view @arg_FUNCTION@(std::string_view name) {
   set_source_files_properties(${source} PROPERTIES OBJECT_DEPENDS "${paths}")
 endfunction()
 
-# gust_embed_assets(TARGET): what a page is made of, as gust::asset(name): the chart libraries ("vega.js", ...), their
-# licences ("vega.license", ...) and our own files in web/ under their names ("replay.js").
+# gust_embed_assets(TARGET): what a page is made of, as gust::asset(name): the chart libraries ("vega.js", ...), the fonts
+# ("inter-latin.woff2", ...), the licences of both ("licences.txt") and our own files in web/ under their names ("replay.js").
 function(gust_embed_assets target)
   set(web ${PROJECT_SOURCE_DIR}/web)
   gust_install_node_modules(${web})
   set(files "")
   foreach(library vega vega-lite vega-embed)
-    list(APPEND files ${library}.js=${web}/node_modules/${library}/build/${library}.min.js
-                      ${library}.license=${web}/node_modules/${library}/LICENSE)
+    list(APPEND files ${library}.js=${web}/node_modules/${library}/build/${library}.min.js)
   endforeach()
+  set(fonts ${web}/node_modules/@fontsource-variable)
+  list(APPEND files inter-latin.woff2=${fonts}/inter/files/inter-latin-wght-normal.woff2
+                    inter-greek.woff2=${fonts}/inter/files/inter-greek-wght-normal.woff2
+                    serif-latin.woff2=${fonts}/source-serif-4/files/source-serif-4-latin-wght-normal.woff2)
+  include(${PROJECT_SOURCE_DIR}/gust/report/licences.cmake)
+  set(licences ${PROJECT_BINARY_DIR}/generated/gust/report/licences.txt)
+  gust_write_licences(${licences} ${web}/node_modules)
+  list(APPEND files licences.txt=${licences})
   file(GLOB ours CONFIGURE_DEPENDS RELATIVE ${web} ${web}/*.js ${web}/*.css ${web}/*.html ${web}/*.svg)
   foreach(name ${ours})
     list(APPEND files ${name}=${web}/${name})

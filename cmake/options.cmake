@@ -7,7 +7,7 @@ add_library(gust_options INTERFACE)
 target_compile_features(gust_options INTERFACE cxx_std_20)
 target_compile_options(gust_options INTERFACE
   -march=x86-64-v3 -ffp-contract=off -fno-math-errno -fno-trapping-math
-  $<BUILD_INTERFACE:-Wall> $<BUILD_INTERFACE:-Wextra>)
+  $<BUILD_INTERFACE:-Wall> $<BUILD_INTERFACE:-Wextra> $<BUILD_INTERFACE:-Wno-missing-field-initializers>)
 target_include_directories(gust_options INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
