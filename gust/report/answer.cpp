@@ -1,0 +1,163 @@
+#include "gust/report/answer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/error.h"
+#include "gust/core/text.h"
+#include "gust/report/html.h"
+
+namespace gust {
+namespace {
+
+std::string plural(std::size_t count, std::string_view one, std::string_view many) {
+  return cat(count, " ", count == 1 ? one : many);
+}
+
+std::string policy_html(const Page& page, std::size_t policy) {
+  return cat("<b class=\"policy\" data-policy=\"", policy, "\">", escaped(page.policies[policy].name), "</b>");
+}
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+std::vector<const Page::Margin*> margins_of(const Page& page, std::size_t sweep, std::size_t start) {
+  std::vector<const Page::Margin*> out;
+  for (const auto& margin : page.margins) {
+    if (margin.sweep == sweep && margin.start == start && !std::isnan(margin.level.value)) out.push_back(&margin);
+  }
+  return out;
+}
+
+double low_end(const Page::Margin& margin) {
+  return std::isnan(margin.level.low) ? margin.level.value : margin.level.low;
+}
+
+double high_end(const Page::Margin& margin) {
+  if (margin.censored) return std::numeric_limits<double>::infinity();
+  return std::isnan(margin.level.high) ? margin.level.value : margin.level.high;
+}
+
+/// Sites in the order of the study.
+std::vector<std::string> sites_of(const Page& page) {
+  std::vector<std::string> sites;
+  for (const auto& sweep : page.sweeps) {
+    if (!sweep.site.empty() && std::find(sites.begin(), sites.end(), sweep.site) == sites.end()) {
+      sites.push_back(sweep.site);
+    }
+  }
+  return sites;
+}
+
+/// "ppo holds longest in 9 of 15 disturbances, lqr in 3; in 3 no policy is clearly ahead."
+std::string ranking(const Page& page) {
+  std::vector<std::size_t> wins(page.policies.size(), 0);
+  std::size_t compared = 0;
+  for (std::size_t s = 0; s < page.sweeps.size(); ++s) {
+    if (page.sweeps[s].site.empty() || margins_of(page, s, 0).size() < 2) continue;
+    ++compared;
+    const std::size_t winner = clear_winner(page, s, 0);
+    if (winner != Page::kNone) ++wins[winner];
+  }
+  if (compared == 0) return "";
+  std::vector<std::size_t> order;
+  std::size_t decided = 0;
+  for (std::size_t p = 0; p < wins.size(); ++p) {
+    if (wins[p] > 0) order.push_back(p);
+    decided += wins[p];
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wins[a] > wins[b]; });
+  std::vector<std::string> parts;
+  for (const std::size_t p : order) {
+    const std::string holds =
+        parts.empty() ? cat(" stands the most under ", wins[p], " of ", plural(compared, "disturbance", "disturbances"))
+                      : cat(" under ", wins[p]);
+    parts.push_back(policy_html(page, p) + holds);
+  }
+  if (decided == 0)
+    return cat("Under none of ", plural(compared, "disturbance", "disturbances"), " is one policy clearly ahead.");
+  const std::size_t open = compared - decided;
+  const std::string rest = open > 0 ? cat("; under ", open, " no policy is clearly ahead") : "";
+  return cat(join(parts, ", "), rest, ".");
+}
+
+/// The smallest margin on each site: "On the action site ppo goes first, under step at 11.8 N [11.2, 12.1]."
+std::string first_to_fall(const Page& page, const std::string& site) {
+  const Page::Margin* first = nullptr;
+  for (const auto& margin : page.margins) {
+    if (margin.start != 0 || page.sweeps[margin.sweep].site != site || std::isnan(margin.level.value)) continue;
+    if (!margin.censored && (!first || margin.level.value < first->level.value)) first = &margin;
+  }
+  if (!first)
+    return cat("On the <b>", escaped(site), "</b> site nothing on the grid costs more than ",
+               percent(1 - page.margin_share), " of the score.");
+  return cat("On the <b>", escaped(site), "</b> site the first to fall is ", policy_html(page, first->policy),
+             ", under ", escaped(page.sweeps[first->sweep].waveform), " at ", margin_html(page, *first), ".");
+}
+
+std::string worst_cell(const Page& page) {
+  const auto& cell = page.worst.front();
+  const auto& sweep = page.sweeps[cell.sweep];
+  const std::string unit = sweep.unit.empty() ? "" : cat("&nbsp;", escaped(sweep.unit));
+  const std::string nominal =
+      std::isnan(cell.nominal) ? "" : cat(", against ", decimal(cell.nominal, cell.nominal), " undisturbed");
+  return cat("The worst cell measured is ", policy_html(page, cell.policy), " under ", escaped(sweep.site), " ",
+             escaped(sweep.waveform), " at ", short_number(cell.level), unit, ": ", decimal(cell.score.value, 1),
+             nominal, ".");
+}
+
+}  // namespace
+
+std::string margin_html(const Page& page, const Page::Margin& margin) {
+  const std::string& unit = page.sweeps[margin.sweep].unit;
+  const double scale = margin.level.value;
+  const std::string interval = interval_text(margin.level, scale);
+  return cat(margin.censored ? "≥&nbsp;" : "", decimal(margin.level.value, scale), unit.empty() ? "" : "&nbsp;",
+             escaped(unit),
+             interval.empty() || margin.censored ? "" : cat(" <span class=\"interval\">", interval, "</span>"));
+}
+
+std::size_t clear_winner(const Page& page, std::size_t sweep, std::size_t start) {
+  const auto margins = margins_of(page, sweep, start);
+  if (margins.size() < 2) return Page::kNone;
+  for (const auto* one : margins) {
+    const bool ahead = std::all_of(margins.begin(), margins.end(), [&](const Page::Margin* other) {
+      return other == one || low_end(*one) > high_end(*other);
+    });
+    if (ahead) return one->policy;
+  }
+  return Page::kNone;
+}
+
+std::vector<std::string> answer_html(const Page& page) {
+  std::vector<std::string> out;
+  for (const auto& sentence : page.answer) out.push_back(escaped(sentence));
+  if (!page.margins.empty()) {
+    if (const std::string sentence = ranking(page); !sentence.empty()) out.push_back(sentence);
+    for (const auto& site : sites_of(page)) out.push_back(first_to_fall(page, site));
+  }
+  if (!page.worst.empty()) out.push_back(worst_cell(page));
+  return out;
+}
+
+std::vector<std::string> confidence_html(const Page& page) {
+  std::vector<std::string> out;
+  for (const auto& sentence : page.confidence) out.push_back(escaped(sentence));
+  out.push_back(cat("Intervals: ", escaped(page.interval), "."));
+  std::vector<std::string> single;
+  for (std::size_t p = 0; p < page.policies.size(); ++p) {
+    if (page.policies[p].seeds < 2) single.push_back(policy_html(page, p));
+  }
+  if (!single.empty() && single.size() < page.policies.size()) {
+    out.push_back(cat(join(single, ", "), single.size() == 1 ? " has" : " have",
+                      " one seed: no interval says how another would fare."));
+  }
+  const auto censored =
+      std::count_if(page.margins.begin(), page.margins.end(), [](const auto& m) { return m.censored; });
+  if (censored > 0) {
+    out.push_back(cat(censored, " of ", page.margins.size(), censored == 1 ? " margins lies" : " margins lie",
+                      " beyond the levels tried: read “≥” as “at least”."));
+  }
+  return out;
+}
+
+}  // namespace gust

@@ -1,0 +1,50 @@
+// An episode over time: states, actions, disturbances, reward, each in a view of its own under one time axis.
+
+const channelColours = ['--p1', '--p3', '--p0', '--p4', '--p2', '--p5', '--p6', '--p7'];
+
+function isRate(name) {
+  return name.endsWith('_dot') || ['p', 'q', 'r'].includes(name);
+}
+
+function timeRows(name, values, rate) {
+  return values.map((value, k) => ({name, time: k / rate, value})).filter((row) => row.value !== null);
+}
+
+function group(title, traces, rate, more) {
+  const rows = traces.flatMap((trace) => timeRows(trace.name, trace.v, rate));
+  const domain = padded(extent(rows.map((row) => row.value)) ?? [0, 1], 0.08);
+  return {title, rows, domain, lines: traces.map((trace) => ({name: trace.name, colour: trace.colour, dash: trace.dash ?? []})), ...more};
+}
+
+/** The views of an episode; rates of change only when asked for. */
+function episodeGroups(episode, rates) {
+  const rate = episode.rate;
+  const groups = episode.states.filter((trace) => rates || !isRate(trace.name)).map((trace) =>
+    group(axisTitle(trace.name, trace.unit), [{...trace, colour: '--ink'}], rate));
+  const actions = episode.applied.flatMap((trace, i) => [
+    ...(episode.commanded[i] ? [{...episode.commanded[i], name: `${trace.name} commanded`, colour: '--commanded', dash: [4, 2]}] : []),
+    {...trace, name: `${trace.name} applied`, colour: '--applied'},
+  ]);
+  if (actions.length > 0) groups.push(group(axisTitle('action', episode.applied[0].unit), actions, rate, {step: true}));
+  for (const site of new Set(episode.disturbances.map((push) => push.site))) {
+    const traces = episode.disturbances.filter((push) => push.site === site);
+    const units = new Set(traces.map((trace) => trace.unit));
+    groups.push(group(axisTitle(`disturbance of the ${site}`, units.size === 1 ? traces[0].unit : ''),
+      traces.map((trace, i) => ({...trace, colour: channelColours[i % channelColours.length]})), rate, {step: true}));
+  }
+  groups.push(group('reward', [{name: 'reward', v: episode.reward, colour: '--ink'}], rate, {step: true}));
+  return groups;
+}
+
+/** An episode as a table, one row a control step; the last row is the final state. */
+function episodeRows(episode) {
+  const at = (values, k) => values[k] ?? null;
+  return episode.states[0].v.map((_, k) => ({
+    step: k, time: k / episode.rate,
+    ...Object.fromEntries(episode.states.map((trace) => [trace.name, at(trace.v, k)])),
+    ...Object.fromEntries(episode.commanded.map((trace) => [`${trace.name}_commanded`, at(trace.v, k)])),
+    ...Object.fromEntries(episode.applied.map((trace) => [`${trace.name}_applied`, at(trace.v, k)])),
+    ...Object.fromEntries(episode.disturbances.map((push) => [`${push.site}_${push.name}`, at(push.v, k)])),
+    reward: at(episode.reward, k),
+  }));
+}
