@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gust {
+
+/// The content of a file. Throws an Error that names the file and says why it cannot be read; more than a gigabyte is
+/// not a file of ours.
+std::string read_file(const std::filesystem::path& path);
+
+/// Replaces a file by these bytes, whole or not at all: written aside in the same folder, synced, renamed, the folder
+/// synced. Folders above it are made. Throws an Error that names the file and the reason.
+void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// The paths that a pattern such as "policies/*.onnx" names, relative to a base folder unless it is absolute, sorted by
+/// their bytes. `*`, `?` and `[...]` match within one part of a path, and no leading dot. A pattern without any of them
+/// gives the path itself, whether it is there or not; one that nothing matches gives an empty list.
+std::vector<std::filesystem::path> glob_files(const std::filesystem::path& base, std::string_view pattern);
+
+}  // namespace gust

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <istream>
+#include <string_view>
+
+#include "gust/study/store.h"
+
+namespace gust {
+
+/// What went into a pack or came out of it.
+struct PackCount {
+  std::size_t trials = 0;   ///< written
+  std::size_t present = 0;  ///< left alone, because the store already had them whole
+  std::uint64_t bytes = 0;  ///< size of the pack
+};
+
+/// Writes every finished trial of a store into one compressed file. Equal trials give equal bytes, whatever the order
+/// in which they were made. A damaged trial is left out and reported.
+PackCount pack_store(const Store& store, const std::filesystem::path& file);
+
+/// Adds the trials of a pack to a store. Trials that the store has whole are never touched. A pack that is damaged, or
+/// made to do harm, is an Error; the whole trials before the damage stay.
+PackCount unpack_store(const std::filesystem::path& file, const Store& store);
+
+/// What read_pack meets, in the order of the file.
+class PackVisitor {
+ public:
+  virtual ~PackVisitor() = default;
+  virtual void trial(const Manifest& manifest) = 0;      ///< begins a trial
+  virtual void file(const StoredFile& file) = 0;         ///< begins a file of it
+  virtual void bytes(std::string_view bytes) = 0;        ///< the next piece of that file
+  virtual void trial_end(const Manifest& manifest) = 0;  ///< all hashes of the trial were right
+};
+
+/// Reads a pack from front to back with bounded memory; `name` begins its Errors.
+void read_pack(std::istream& stream, std::string_view name, PackVisitor& visitor);
+
+}  // namespace gust

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gust/study/store_file.h"
+#include "gust/study/store_manifest.h"
+
+namespace gust {
+
+/// A finished trial whose files were found to be whole.
+struct StoredTrial {
+  std::filesystem::path folder;
+  Manifest manifest;
+
+  bool contains(std::string_view file) const;
+  /// The whole content of one of its files.
+  std::string read(std::string_view file) const;
+  /// One of its files, to be read as a stream.
+  std::ifstream open(std::string_view file) const;
+};
+
+class TrialWriter;
+
+/// The trials that are finished: folders STORE/<kind>/<id>, each with its files and a manifest.
+///
+/// A trial is written aside, synced and renamed, so it is there whole or not at all, after any kill and with any number
+/// of processes on one store; whoever comes second discards his copy. Nothing says "running". All of it may be used
+/// from many threads at once. Layout and guarantees: docs/formats.md.
+class Store {
+ public:
+  enum class Access { read, write };
+  /// Told what the user should know ("trial x was damaged: ..."), one sentence at a time, from any thread.
+  using Notice = std::function<void(const std::string&)>;
+
+  /// Opens a store. For writing it is made if need be, and what dead processes left aside is removed. A store of
+  /// another format, a folder that is something else, and one that cannot be written are Errors.
+  Store(std::filesystem::path folder, Access access, Notice notice = {});
+  ~Store();
+  Store(const Store&) = delete;
+  Store& operator=(const Store&) = delete;
+
+  /// Whether a store lies there, of whatever format.
+  static bool is_at(const std::filesystem::path& folder);
+
+  /// Whether the trial is finished. Cheap: looks for its manifest and reads nothing.
+  bool has(std::string_view kind, std::string_view id) const;
+
+  /// A finished trial, after its manifest and the hashes of all its files were found right. One that is damaged is
+  /// reported, moved to STORE/damaged (if open for writing), and then counts as missing.
+  std::optional<StoredTrial> load(std::string_view kind, std::string_view id) const;
+
+  /// Begins to write a trial.
+  TrialWriter begin(std::string_view kind, std::string_view id) const;
+
+  /// Every finished trial as (kind, id), sorted.
+  std::vector<std::pair<std::string, std::string>> trials() const;
+
+  const std::filesystem::path& folder() const { return folder_; }
+  /// A path of this process's own, for something that is to be renamed into place.
+  std::filesystem::path aside() const;
+
+ private:
+  friend class TrialWriter;
+
+  void initialise() const;
+  void check_format() const;
+  void set_aside(std::string_view kind, std::string_view id, const std::string& why) const;
+
+  std::filesystem::path folder_;
+  Access access_;
+  Notice notice_;
+  std::unique_ptr<class StoreSession> session_;  ///< null when open for reading
+};
+
+/// A trial on its way into the store. What is not committed vanishes with the writer.
+class TrialWriter {
+ public:
+  TrialWriter(const Store& store, std::string kind, std::string id);
+  TrialWriter(TrialWriter&&) noexcept;
+  ~TrialWriter();
+
+  /// A new, empty file of the trial; it stays open until the trial is committed.
+  OutputFile& file(std::string_view name);
+  /// A file of the trial with this content.
+  void write(std::string_view name, std::string_view bytes);
+
+  /// Syncs everything, writes the manifest, renames the trial into place and removes its checkpoint. If another
+  /// process was faster, its copy stays and ours goes.
+  void commit(std::string_view text);
+  /// The same for a trial that another program made; its manifest must agree with what was written here.
+  void commit_as(const Manifest& manifest);
+
+ private:
+  void finish(Manifest manifest);
+
+  const Store* store_;
+  std::string kind_;
+  std::string id_;
+  std::filesystem::path folder_;  ///< aside; empty once committed
+  std::vector<std::unique_ptr<OutputFile>> files_;
+};
+
+}  // namespace gust
