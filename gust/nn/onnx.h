@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gust/nn/mlp.h"
+#include "gust/nn/onnx_program.h"
+
+namespace gust {
+
+/// What a file says about a policy besides its network. Keys of ours: gust.plant, gust.preset, gust.units, gust.seed,
+/// gust.version, gust.trial. A foreign file may have none of them, and others.
+using OnnxMetadata = std::map<std::string, std::string>;
+
+/// A policy network from an ONNX file. It does not change: any number of threads may share it.
+struct OnnxModel {
+  OnnxProgram program;
+  std::optional<Mlp<float>> mlp;  ///< the same network, if it is a chain of linear layers with one kind of activation
+  OnnxMetadata metadata;
+
+  std::size_t observations() const { return program.widths[0]; }
+  std::size_t actions() const { return program.widths[program.result]; }
+};
+
+/// Reads a feed-forward network of float32 (or float64, which is rounded to it), opset 11 or later, from the bytes of
+/// an ONNX file: the part that leads from the one input [N, n] to the output 'action' (or 'actions', else the first).
+/// The batch may be open or fixed; the network runs for any number of lanes. onnx_operator_names() is what it may use.
+///
+/// An Error that starts with `name` for everything else: damaged files, weights kept in a second file, operators that
+/// are not supported, shapes that do not fit, numbers that are not finite, files above 64 MiB or 2^24 weights.
+OnnxModel read_onnx(std::string_view bytes, std::string_view name);
+
+/// The network as an ONNX file of opset 17: input obs [N, n], output action [N, m], both float32. Equal arguments give
+/// equal bytes, and read_onnx gives back the same network to the bit. A file that is cut short never reads as whole.
+std::string write_onnx(const Mlp<float>& mlp, const OnnxMetadata& metadata);
+
+/// Runs a model; holds the memory for it. One thread at a time.
+class OnnxRunner {
+ public:
+  /// The model must outlive the runner.
+  explicit OnnxRunner(const OnnxModel& model);
+
+  /// From lanes × observations to lanes × actions numbers; those of a lane lie side by side. The bits of a lane depend
+  /// neither on the other lanes nor on their number.
+  void run(std::span<const float> in, std::size_t lanes, std::span<float> out);
+
+ private:
+  static constexpr std::size_t kLanes = 64;
+
+  const OnnxModel& model_;
+  std::optional<MlpWorkspace<float>> workspace_;
+  std::optional<OnnxProgramRunner> runner_;
+};
+
+}  // namespace gust

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "gust/nn/onnx_graph.h"
+#include "gust/nn/onnx_program.h"
+
+namespace gust {
+
+/// What a name of the graph stands for while it is turned into a program: a constant, or a buffer that depends on the
+/// observation. The dimensions of a buffer start with kOnnxBatch, unless the model itself knows no batch.
+struct OnnxValue {
+  OnnxDims dims;
+  const OnnxTensor* constant = nullptr;  ///< lives as long as the lowering
+  std::size_t buffer = 0;
+};
+
+/// Turns a graph into a program, node by node. An operator reads its node through this and builds values with it; what
+/// depends on constants alone is computed at once.
+class OnnxLowering {
+ public:
+  explicit OnnxLowering(OnnxGraph graph);
+
+  /// The program of the whole graph. An Error names the node and says what would be right.
+  OnnxProgram program();
+
+  /// What is wrong with the node at hand.
+  [[noreturn]] void fail(std::string_view what) const;
+
+  // The node at hand.
+  bool has_input(std::size_t index) const;
+  const OnnxValue& input(std::size_t index) const;
+  std::size_t inputs() const { return node_->inputs.size(); }
+  std::size_t outputs() const { return node_->outputs.size(); }
+  void set_output(std::size_t index, OnnxValue value);
+  const OnnxAttribute* find_attribute(const std::string& name) const;
+
+  /// An attribute, or the fallback where the node has none.
+  template <class T>
+  T attribute(const std::string& name, T fallback) const {
+    const OnnxAttribute* found = find_attribute(name);
+    if (found == nullptr) return fallback;
+    const T* value = std::get_if<T>(found);
+    if (value == nullptr)
+      fail("attribute " + onnx_quoted(name) + " has the wrong type; see the definition of the operator");
+    return *value;
+  }
+
+  /// Integers that an operator takes: from an input (which must be constant), or before some opset from an attribute.
+  std::vector<std::int64_t> integers(std::size_t index, const std::string& attribute) const;
+
+  /// A dimension's index; negative ones count from the end.
+  std::size_t axis(std::int64_t index, std::size_t rank) const;
+
+  /// The number of elements of a shape, the batch counted as one.
+  std::size_t elements(const OnnxDims& dims) const;
+
+  /// The size of the batch that the file was made for; 0 if it leaves it open.
+  std::int64_t fixed_batch() const { return graph_.fixed_batch; }
+
+  // Building blocks.
+  OnnxValue constant(OnnxTensor tensor);
+  OnnxValue map(const OnnxValue& from, OnnxFunction function, float a = 0.0f, float b = 0.0f);
+  OnnxValue combine(OnnxArithmetic arithmetic, const OnnxValue& left, const OnnxValue& right);
+
+  /// from W + b: the last dimension of `from` are the inputs, weights and bias as in OnnxDense.
+  OnnxValue dense(const OnnxValue& from, Buffer<float> weights, std::vector<float> bias);
+
+  /// The elements of a value at some indices, as a value of another shape.
+  OnnxValue pick(const OnnxValue& from, const std::vector<std::size_t>& indices, OnnxDims dims);
+
+  /// Elements of buffers as a value of a shape.
+  OnnxValue pick_many(std::vector<OnnxPick::Source> sources, OnnxDims dims);
+
+  /// The same numbers under another shape.
+  OnnxValue reshaped(OnnxValue from, OnnxDims dims);
+
+  /// The same value repeated to fill a shape, and the shape that two values fill together (numpy's rules).
+  OnnxValue broadcast(const OnnxValue& from, const OnnxDims& dims);
+  OnnxDims broadcast_dims(const OnnxDims& left, const OnnxDims& right) const;
+
+ private:
+  void lower_node();
+  void check_output(const OnnxValue& output) const;
+  OnnxValue append(OnnxStep step, std::size_t buffer, OnnxDims dims);
+  std::size_t add_buffer(const OnnxDims& dims);
+  OnnxOperand operand(const OnnxValue& value) const;
+  void check_finite(std::span<const float> numbers) const;
+  const std::vector<float>& floats(const OnnxValue& value) const;
+  void charge(std::size_t numbers);
+
+  OnnxGraph graph_;
+  OnnxProgram program_;
+  const OnnxNode* node_ = nullptr;
+  std::map<std::string, OnnxValue> values_;
+  std::deque<OnnxTensor> computed_;  // constants that operators made; a deque, for values point to them
+  std::size_t width_ = 0;
+  std::size_t numbers_ = 0;
+};
+
+}  // namespace gust

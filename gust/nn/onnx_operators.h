@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gust/nn/onnx_lowering.h"
+
+namespace gust {
+
+/// One operator of ONNX: how many inputs it takes, and what it becomes. `lower` reads the node at hand and sets its
+/// outputs; it may take the inputs up to `least_inputs` for present.
+struct OnnxOperator {
+  std::string_view name;
+  std::size_t least_inputs;
+  std::size_t most_inputs;
+  void (*lower)(OnnxLowering&);
+};
+
+inline constexpr std::size_t kAnyInputs = 1024;
+
+/// Operators that compute, that give values another shape, and that select among their elements.
+std::span<const OnnxOperator> onnx_arithmetic_operators();
+std::span<const OnnxOperator> onnx_shape_operators();
+std::span<const OnnxOperator> onnx_selection_operators();
+
+/// The operator of that name, or nullptr.
+const OnnxOperator* find_onnx_operator(std::string_view name);
+
+/// All names, in alphabetical order, with commas.
+std::string onnx_operator_names();
+
+}  // namespace gust

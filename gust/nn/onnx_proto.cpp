@@ -1,0 +1,254 @@
+#include "gust/nn/onnx_proto.h"
+
+#include <google/protobuf/io/coded_stream.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "gust/core/error.h"
+
+namespace gust {
+namespace {
+
+using google::protobuf::io::CodedInputStream;
+
+static_assert(std::endian::native == std::endian::little, "raw_data is little-endian");
+
+// Messages within messages, by field number. A leaf has no entry as a parent: its fields are counted and not entered.
+enum class Message {
+  kModel,
+  kTraining,
+  kFunction,
+  kGraph,
+  kNode,
+  kAttribute,
+  kTensor,
+  kSparse,
+  kInfo,
+  kType,
+  kTypeValue,
+  kMap,
+  kShape,
+  kLeaf
+};
+using enum Message;
+struct Nested {
+  Message parent;
+  int field;
+  Message child;
+};
+using Attribute = onnx::AttributeProto;
+using Function = onnx::FunctionProto;
+using Graph = onnx::GraphProto;
+using Model = onnx::ModelProto;
+using Sparse = onnx::SparseTensorProto;
+using Tensor = onnx::TensorProto;
+using Training = onnx::TrainingInfoProto;
+using Type = onnx::TypeProto;
+constexpr Nested kNested[] = {
+    {kModel, Model::kGraphFieldNumber, kGraph},
+    {kModel, Model::kOpsetImportFieldNumber, kLeaf},
+    {kModel, Model::kMetadataPropsFieldNumber, kLeaf},
+    {kModel, Model::kTrainingInfoFieldNumber, kTraining},
+    {kModel, Model::kFunctionsFieldNumber, kFunction},
+    {kTraining, Training::kInitializationFieldNumber, kGraph},
+    {kTraining, Training::kAlgorithmFieldNumber, kGraph},
+    {kTraining, Training::kInitializationBindingFieldNumber, kLeaf},
+    {kTraining, Training::kUpdateBindingFieldNumber, kLeaf},
+    {kFunction, Function::kNodeFieldNumber, kNode},
+    {kFunction, Function::kOpsetImportFieldNumber, kLeaf},
+    {kGraph, Graph::kNodeFieldNumber, kNode},
+    {kGraph, Graph::kInitializerFieldNumber, kTensor},
+    {kGraph, Graph::kSparseInitializerFieldNumber, kSparse},
+    {kGraph, Graph::kInputFieldNumber, kInfo},
+    {kGraph, Graph::kOutputFieldNumber, kInfo},
+    {kGraph, Graph::kValueInfoFieldNumber, kInfo},
+    {kGraph, Graph::kQuantizationAnnotationFieldNumber, kLeaf},
+    {kNode, onnx::NodeProto::kAttributeFieldNumber, kAttribute},
+    {kAttribute, Attribute::kTFieldNumber, kTensor},
+    {kAttribute, Attribute::kGFieldNumber, kGraph},
+    {kAttribute, Attribute::kSparseTensorFieldNumber, kSparse},
+    {kAttribute, Attribute::kTpFieldNumber, kType},
+    {kAttribute, Attribute::kTensorsFieldNumber, kTensor},
+    {kAttribute, Attribute::kGraphsFieldNumber, kGraph},
+    {kAttribute, Attribute::kSparseTensorsFieldNumber, kSparse},
+    {kAttribute, Attribute::kTypeProtosFieldNumber, kType},
+    {kTensor, Tensor::kExternalDataFieldNumber, kLeaf},
+    {kTensor, Tensor::kSegmentFieldNumber, kLeaf},
+    {kSparse, Sparse::kValuesFieldNumber, kTensor},
+    {kSparse, Sparse::kIndicesFieldNumber, kTensor},
+    {kInfo, onnx::ValueInfoProto::kTypeFieldNumber, kType},
+    {kType, Type::kTensorTypeFieldNumber, kTypeValue},
+    {kType, Type::kSparseTensorTypeFieldNumber, kTypeValue},
+    {kType, Type::kSequenceTypeFieldNumber, kTypeValue},
+    {kType, Type::kMapTypeFieldNumber, kMap},
+    {kType, Type::kOptionalTypeFieldNumber, kTypeValue},
+    {kTypeValue, 1, kType},   // element type of a sequence or an optional
+    {kTypeValue, 2, kShape},  // shape of a tensor, dense or sparse
+    {kMap, onnx::TypeProto_Map::kValueTypeFieldNumber, kType},
+    {kShape, onnx::TensorShapeProto::kDimFieldNumber, kLeaf},
+};
+
+// Packed integers may take one byte in the file; in memory they take eight.
+bool is_packed_integers(Message message, int field) {
+  if (message == kAttribute) return field == Attribute::kIntsFieldNumber;
+  if (message == kSparse) return field == Sparse::kDimsFieldNumber;
+  return message == kTensor && (field == Tensor::kDimsFieldNumber || field == Tensor::kInt32DataFieldNumber ||
+                                field == Tensor::kInt64DataFieldNumber || field == Tensor::kUint64DataFieldNumber);
+}
+
+// Counts the fields of a message before protobuf makes objects of them: an empty sub-message is two bytes in the file
+// and hundreds in memory.
+class FieldCount {
+ public:
+  /// Counts until the message ends, is malformed (the parser then says so) or has too many fields.
+  void walk(CodedInputStream& in, Message message, int depth);
+  bool too_many() const { return fields_ > kOnnxFields; }
+
+ private:
+  bool enter(CodedInputStream& in, Message message, int field, int depth);
+
+  std::size_t fields_ = 0;
+};
+
+void FieldCount::walk(CodedInputStream& in, Message message, int depth) {
+  if (depth > 32) fields_ = kOnnxFields + 1;
+  while (!too_many()) {
+    const std::uint32_t tag = in.ReadTagNoLastTag();
+    const int field = static_cast<int>(tag >> 3);
+    const std::uint32_t wire = tag & 7;
+    std::uint64_t ignored = 0;
+    bool good = tag != 0;
+    if (good && wire == 0) good = in.ReadVarint64(&ignored);
+    if (good && (wire == 1 || wire == 5)) good = in.Skip(wire == 1 ? 8 : 4);
+    if (good && wire == 2) good = enter(in, message, field, depth);
+    if (good && (wire == 3 || wire == 4)) fields_ = kOnnxFields + 1;  // groups: not of this schema
+    if (!good) return;
+    fields_ += message == kTensor && wire == 5 ? 0 : 1;
+  }
+}
+
+bool FieldCount::enter(CodedInputStream& in, Message message, int field, int depth) {
+  std::uint32_t length = 0;
+  if (!in.ReadVarint32(&length) || length > kOnnxBytes) return false;
+  if (is_packed_integers(message, field)) fields_ += length;
+  for (const Nested& nested : kNested) {
+    if (nested.parent != message || nested.field != field) continue;
+    const auto outer = in.PushLimit(static_cast<int>(length));
+    walk(in, nested.child, depth + 1);
+    const bool whole = in.BytesUntilLimit() == 0;
+    in.PopLimit(outer);
+    return whole;
+  }
+  return in.Skip(static_cast<int>(length));
+}
+
+std::size_t element_count(const Tensor& proto, std::string_view where) {
+  if (proto.dims_size() > kOnnxRank) {
+    throw Error(cat(where, ": has ", proto.dims_size(), " dimensions; the limit is ", kOnnxRank));
+  }
+  std::size_t count = 1;
+  bool empty = false;
+  for (const std::int64_t dim : proto.dims()) {
+    if (dim < 0) throw Error(cat(where, ": has the dimension ", dim, "; a size must be >= 0"));
+    empty = empty || dim == 0;
+    const auto size = static_cast<std::uint64_t>(std::max<std::int64_t>(dim, 1));
+    if (size > kOnnxElements || (count *= size) > kOnnxElements) {
+      throw Error(cat(where, ": is too large; the limit is ", kOnnxElements, " numbers"));
+    }
+  }
+  return empty ? 0 : count;
+}
+
+// The numbers of a tensor from raw_data or from the repeated field of its type, as To.
+template <class From, class To, class Field>
+std::vector<To> numbers(const Tensor& proto, const Field& field, std::string_view where) {
+  const std::size_t count = element_count(proto, where);
+  const std::string& raw = proto.raw_data();
+  const bool is_raw = proto.has_raw_data() && (!raw.empty() || field.empty());
+  const std::size_t given = is_raw ? raw.size() / sizeof(From) : static_cast<std::size_t>(field.size());
+  if (given != count || (is_raw && raw.size() % sizeof(From) != 0)) {
+    throw Error(cat(where, ": its shape asks for ", count, " numbers, but the file holds ", given));
+  }
+  std::vector<To> values(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    From value;
+    if (is_raw) {
+      std::memcpy(&value, raw.data() + i * sizeof(From), sizeof value);
+    } else {
+      value = static_cast<From>(field[static_cast<int>(i)]);
+    }
+    values[i] = static_cast<To>(value);
+  }
+  return values;
+}
+
+}  // namespace
+
+onnx::ModelProto parse_onnx(std::string_view bytes, std::string_view name) {
+  if (bytes.empty()) throw Error(cat(name, ": is empty; expected an ONNX file"));
+  if (bytes.size() > kOnnxBytes) {
+    throw Error(cat(name, ": has ", bytes.size(), " bytes; the limit for a policy is ", kOnnxBytes));
+  }
+  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  const int size = static_cast<int>(bytes.size());
+  CodedInputStream count_stream(data, size);
+  FieldCount count;
+  count.walk(count_stream, kModel, 0);
+  if (count.too_many()) {
+    throw Error(
+        cat(name, ": is no policy network: more than ", kOnnxFields, " nodes, names and integers, or nested too deep"));
+  }
+  onnx::ModelProto model;
+  CodedInputStream stream(data, size);
+  if (!model.ParseFromCodedStream(&stream) || !stream.ConsumedEntireMessage()) {
+    throw Error(cat(name, ": is not an ONNX file, or it is damaged or cut short"));
+  }
+  return model;
+}
+
+OnnxTensor read_onnx_tensor(const onnx::TensorProto& proto, std::string_view where) {
+  if (proto.data_location() == Tensor::EXTERNAL || proto.external_data_size() > 0) {
+    throw Error(
+        cat(where,
+            ": is stored in a second file; save the model as one file (torch.onnx.export(..., external_data=False),"
+            " or onnx.save of the loaded model)"));
+  }
+  if (proto.has_segment()) throw Error(cat(where, ": is stored in segments; save the model with whole tensors"));
+  OnnxTensor tensor;
+  tensor.dims.assign(proto.dims().begin(), proto.dims().end());
+  switch (proto.data_type()) {
+    case Tensor::FLOAT:
+      tensor.floats = numbers<float, float>(proto, proto.float_data(), where);
+      return tensor;
+    case Tensor::DOUBLE:
+      tensor.floats = numbers<double, float>(proto, proto.double_data(), where);
+      return tensor;
+    case Tensor::INT32:
+      tensor.integers = numbers<std::int32_t, std::int64_t>(proto, proto.int32_data(), where);
+      break;
+    case Tensor::INT64:
+      tensor.integers = numbers<std::int64_t, std::int64_t>(proto, proto.int64_data(), where);
+      break;
+    case Tensor::BOOL:
+      tensor.integers = numbers<std::uint8_t, std::int64_t>(proto, proto.int32_data(), where);
+      break;
+    default:
+      throw Error(cat(where, ": has the type ", onnx_type_name(proto.data_type()), "; save the policy as float32"));
+  }
+  tensor.integral = true;
+  return tensor;
+}
+
+std::string_view onnx_type_name(int data_type) {
+  constexpr std::array<std::string_view, 17> kNames = {
+      "undefined", "float32", "uint8",   "int8",   "uint16", "int16",     "int32",      "int64",   "string",
+      "bool",      "float16", "float64", "uint32", "uint64", "complex64", "complex128", "bfloat16"};
+  const auto index = static_cast<std::size_t>(data_type);
+  return data_type >= 0 && index < kNames.size() ? kNames[index] : "unknown to this version";
+}
+
+}  // namespace gust

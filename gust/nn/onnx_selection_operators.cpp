@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "gust/core/error.h"
+#include "gust/nn/onnx_operators.h"
+
+// Operators that choose and reorder numbers along an axis. None may touch the batch: every lane stays by itself.
+
+namespace gust {
+namespace {
+
+using Positions = std::vector<std::size_t>;
+
+std::size_t size_of(std::int64_t dim) { return dim == kOnnxBatch ? 1 : static_cast<std::size_t>(dim); }
+
+std::size_t product(OnnxDims::const_iterator from, OnnxDims::const_iterator to) {
+  return std::accumulate(from, to, std::size_t{1}, [](std::size_t a, std::int64_t dim) { return a * size_of(dim); });
+}
+
+std::size_t lane_axis(const OnnxLowering& at, const OnnxDims& dims, std::int64_t index) {
+  const std::size_t axis = at.axis(index, dims.size());
+  if (dims[axis] == kOnnxBatch) at.fail("works along the batch; every lane must stay by itself");
+  return axis;
+}
+
+/// Where the elements of a value lie whose positions along an axis are picked.
+Positions along_axis(const OnnxDims& dims, std::size_t axis, const Positions& picked) {
+  const auto at_axis = dims.begin() + static_cast<std::ptrdiff_t>(axis);
+  const std::size_t outer = product(dims.begin(), at_axis);
+  const std::size_t inner = product(at_axis + 1, dims.end());
+  Positions indices;
+  for (std::size_t i = 0; i < outer; ++i) {
+    for (const std::size_t position : picked) {
+      for (std::size_t j = 0; j < inner; ++j) indices.push_back((i * size_of(*at_axis) + position) * inner + j);
+    }
+  }
+  return indices;
+}
+
+OnnxValue take(OnnxLowering& at, const OnnxValue& from, std::size_t axis, const Positions& picked) {
+  OnnxDims dims = from.dims;
+  dims[axis] = static_cast<std::int64_t>(picked.size());
+  at.elements(dims);  // refuses what is too large before it is made
+  return at.pick(from, along_axis(from.dims, axis, picked), dims);
+}
+
+struct Range {
+  std::int64_t start;
+  std::int64_t end;
+  std::int64_t step;
+};
+
+/// The positions of a slice of `size` elements; out of range ends are clamped.
+Positions slice_positions(const OnnxLowering& at, Range range, std::int64_t size) {
+  if (range.step == 0) at.fail("has a step of 0");
+  const bool forward = range.step > 0;
+  const std::int64_t lowest = forward ? 0 : -1;
+  const std::int64_t highest = forward ? size : size - 1;
+  const auto bound = [&](std::int64_t index) { return std::clamp(index < 0 ? index + size : index, lowest, highest); };
+  const std::int64_t step = std::clamp(range.step, -size - 1, size + 1);
+  const std::int64_t end = bound(range.end);
+  Positions positions;
+  for (std::int64_t i = forward ? bound(range.start) : std::max<std::int64_t>(bound(range.start), -1);
+       forward ? i < end : i > end; i += step) {
+    positions.push_back(static_cast<std::size_t>(i));
+  }
+  return positions;
+}
+
+void lower_slice(OnnxLowering& at) {
+  OnnxValue value = at.input(0);
+  const std::vector<std::int64_t> starts = at.integers(1, "starts");
+  const std::vector<std::int64_t> ends = at.integers(2, "ends");
+  std::vector<std::int64_t> axes(starts.size());
+  std::iota(axes.begin(), axes.end(), 0);
+  if (at.has_input(3)) axes = at.integers(3, "axes");
+  std::vector<std::int64_t> steps(starts.size(), 1);
+  if (at.has_input(4)) steps = at.integers(4, "steps");
+  if (ends.size() != starts.size() || axes.size() != starts.size() || steps.size() != starts.size()) {
+    at.fail("has lists of starts, ends, axes and steps of different lengths");
+  }
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const std::size_t axis = lane_axis(at, value.dims, axes[i]);
+    const Positions positions = slice_positions(at, {starts[i], ends[i], steps[i]}, value.dims[axis]);
+    value = take(at, value, axis, positions);
+  }
+  at.set_output(0, value);
+}
+
+/// The sizes of the parts: given as an input or an attribute, else as equal as they can be.
+std::vector<std::int64_t> split_sizes(const OnnxLowering& at, std::int64_t size) {
+  std::vector<std::int64_t> sizes = at.integers(1, "split");
+  const auto parts = static_cast<std::int64_t>(at.outputs());
+  if (sizes.empty()) {
+    const std::int64_t part = (size + parts - 1) / parts;
+    sizes.assign(at.outputs(), part);
+    sizes.back() = size - part * (parts - 1);
+  }
+  const bool positive = std::all_of(sizes.begin(), sizes.end(), [&](auto part) { return part >= 0 && part <= size; });
+  if (sizes.size() != at.outputs() || !positive ||
+      std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0}) != size) {
+    at.fail(cat("splits ", size, " into parts that do not add up to it"));
+  }
+  return sizes;
+}
+
+void lower_split(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  const std::size_t axis = lane_axis(at, from.dims, at.attribute("axis", std::int64_t{0}));
+  const std::vector<std::int64_t> sizes = split_sizes(at, from.dims[axis]);
+  std::size_t start = 0;
+  for (std::size_t part = 0; part < sizes.size(); ++part) {
+    Positions positions(static_cast<std::size_t>(sizes[part]));
+    std::iota(positions.begin(), positions.end(), start);
+    start += positions.size();
+    at.set_output(part, take(at, from, axis, positions));
+  }
+}
+
+void lower_gather(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  const std::size_t axis = lane_axis(at, from.dims, at.attribute("axis", std::int64_t{0}));
+  Positions positions;
+  for (const std::int64_t index : at.integers(1, "indices")) {
+    positions.push_back(at.axis(index, static_cast<std::size_t>(from.dims[axis])));
+  }
+  OnnxValue taken = take(at, from, axis, positions);
+  OnnxDims dims = from.dims;
+  const auto place = dims.erase(dims.begin() + static_cast<std::ptrdiff_t>(axis));
+  dims.insert(place, at.input(1).dims.begin(), at.input(1).dims.end());
+  at.set_output(0, at.reshaped(std::move(taken), dims));
+}
+
+/// What Concat joins: its inputs, and where each element of the result comes from.
+struct Joined {
+  std::vector<const OnnxValue*> parts;
+  OnnxDims dims;
+  std::size_t axis = 0;
+};
+
+Joined read_parts(const OnnxLowering& at) {
+  Joined joined;
+  std::int64_t size = 0;
+  for (std::size_t i = 0; i < at.inputs(); ++i) {
+    const OnnxValue& part = at.input(i);
+    if (i == 0) {
+      joined.dims = part.dims;
+      joined.axis = lane_axis(at, part.dims, at.attribute("axis", std::int64_t{0}));
+    }
+    OnnxDims others = part.dims;
+    if (others.size() == joined.dims.size()) others[joined.axis] = joined.dims[joined.axis];
+    if (others != joined.dims)
+      at.fail("joins values of different shapes, or constants with what depends on the observation");
+    size += part.dims[joined.axis];
+    joined.parts.push_back(&part);
+  }
+  joined.dims[joined.axis] = size;
+  at.elements(joined.dims);
+  return joined;
+}
+
+void lower_concat(OnnxLowering& at) {
+  const Joined joined = read_parts(at);
+  const auto axis = joined.dims.begin() + static_cast<std::ptrdiff_t>(joined.axis);
+  const std::size_t outer = product(joined.dims.begin(), axis);
+  const std::size_t inner = product(axis + 1, joined.dims.end());
+  const bool constant = joined.parts[0]->constant != nullptr;
+  OnnxTensor tensor{
+      .dims = joined.dims, .floats = {}, .integers = {}, .integral = constant && joined.parts[0]->constant->integral};
+  std::vector<OnnxPick::Source> sources;
+  for (std::size_t i = 0; i < outer; ++i) {
+    for (const OnnxValue* part : joined.parts) {
+      if ((part->constant != nullptr) != constant || (constant && part->constant->integral != tensor.integral)) {
+        at.fail("joins constants with what depends on the observation, or integers with floats");
+      }
+      const std::size_t run = size_of(part->dims[joined.axis]) * inner;
+      for (std::size_t j = i * run; j < (i + 1) * run; ++j) {
+        if (!constant) sources.push_back({part->buffer, j});
+        if (constant && tensor.integral) tensor.integers.push_back(part->constant->integers[j]);
+        if (constant && !tensor.integral) tensor.floats.push_back(part->constant->floats[j]);
+      }
+    }
+  }
+  at.set_output(0, constant ? at.constant(std::move(tensor)) : at.pick_many(std::move(sources), joined.dims));
+}
+
+std::vector<std::int64_t> permutation(const OnnxLowering& at, std::size_t rank) {
+  std::vector<std::int64_t> natural(rank);
+  std::iota(natural.begin(), natural.end(), 0);
+  const std::vector<std::int64_t> order =
+      at.attribute("perm", std::vector<std::int64_t>(natural.rbegin(), natural.rend()));
+  if (!std::is_permutation(order.begin(), order.end(), natural.begin(), natural.end())) {
+    at.fail("has a 'perm' that is no permutation of the axes");
+  }
+  return order;
+}
+
+void lower_transpose(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  const std::vector<std::int64_t> order = permutation(at, from.dims.size());
+  OnnxDims dims;
+  Positions strides;
+  for (const std::int64_t axis : order) {
+    dims.push_back(from.dims[static_cast<std::size_t>(axis)]);
+    strides.push_back(product(from.dims.begin() + axis + 1, from.dims.end()));
+    if (dims.back() == kOnnxBatch && dims.size() > 1) at.fail("moves the batch away from the first dimension");
+  }
+  Positions indices(at.elements(dims), 0);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    std::size_t rest = i;
+    for (std::size_t axis = dims.size(); axis-- > 0;) {
+      indices[i] += rest % size_of(dims[axis]) * strides[axis];
+      rest /= size_of(dims[axis]);
+    }
+  }
+  at.set_output(0, at.pick(from, indices, dims));
+}
+
+constexpr OnnxOperator kSelection[] = {
+    {"Concat", 1, kAnyInputs, lower_concat},
+    {"Gather", 2, 2, lower_gather},
+    {"Slice", 3, 5, lower_slice},
+    {"Split", 1, 2, lower_split},
+    {"Transpose", 1, 1, lower_transpose},
+};
+
+}  // namespace
+
+std::span<const OnnxOperator> onnx_selection_operators() { return kSelection; }
+
+}  // namespace gust

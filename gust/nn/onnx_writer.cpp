@@ -1,0 +1,113 @@
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gust/core/error.h"
+#include "gust/nn/onnx.h"
+#include "gust/nn/onnx_proto.h"
+
+namespace gust {
+namespace {
+
+constexpr std::int64_t kOpset = 17;
+constexpr std::int64_t kIrVersion = 8;  // the one that came with opset 17
+
+void describe_value(onnx::ValueInfoProto& info, const std::string& name, std::size_t width) {
+  info.set_name(name);
+  auto& tensor = *info.mutable_type()->mutable_tensor_type();
+  tensor.set_elem_type(onnx::TensorProto::FLOAT);
+  tensor.mutable_shape()->add_dim()->set_dim_param("N");
+  tensor.mutable_shape()->add_dim()->set_dim_value(static_cast<std::int64_t>(width));
+}
+
+void add_tensor(onnx::GraphProto& graph, const std::string& name, const OnnxTensor& tensor) {
+  onnx::TensorProto& proto = *graph.add_initializer();
+  proto.set_name(name);
+  proto.set_data_type(onnx::TensorProto::FLOAT);
+  for (const std::int64_t dim : tensor.dims) proto.add_dims(dim);
+  proto.set_raw_data(tensor.floats.data(), tensor.floats.size() * sizeof(float));
+}
+
+onnx::NodeProto& add_node(onnx::GraphProto& graph, const std::string& op, const std::string& from,
+                          const std::string& to) {
+  onnx::NodeProto& node = *graph.add_node();
+  node.set_name(to);
+  node.set_op_type(op);
+  node.add_input(from);
+  node.add_output(to);
+  return node;
+}
+
+/// Weights as PyTorch keeps them, output by output.
+void add_layer(onnx::GraphProto& graph, const Mlp<float>& mlp, std::size_t layer) {
+  const auto inputs = static_cast<std::int64_t>(mlp.shape().sizes[layer]);
+  const auto outputs = static_cast<std::int64_t>(mlp.shape().sizes[layer + 1]);
+  OnnxTensor weights{.dims = {outputs, inputs}, .floats = {}, .integers = {}};
+  OnnxTensor bias{.dims = {outputs}, .floats = {}, .integers = {}};
+  for (std::size_t output = 0; output < mlp.shape().sizes[layer + 1]; ++output) {
+    bias.floats.push_back(mlp.bias(layer, output));
+    for (std::size_t input = 0; input < mlp.shape().sizes[layer]; ++input) {
+      weights.floats.push_back(mlp.weight(layer, output, input));
+    }
+  }
+  const bool last = layer + 1 == mlp.shape().layers();
+  const std::string from = layer == 0 ? "obs" : cat("hidden", layer - 1);
+  onnx::NodeProto& node = add_node(graph, "Gemm", from, last ? "action" : cat("sum", layer));
+  node.add_input(cat("weight", layer));
+  node.add_input(cat("bias", layer));
+  onnx::AttributeProto& transposed = *node.add_attribute();
+  transposed.set_name("transB");
+  transposed.set_type(onnx::AttributeProto::INT);
+  transposed.set_i(1);
+  add_tensor(graph, cat("weight", layer), weights);
+  add_tensor(graph, cat("bias", layer), bias);
+}
+
+void add_activation(onnx::GraphProto& graph, Activation activation, std::size_t layer) {
+  const std::string from = cat("sum", layer);
+  const std::string to = cat("hidden", layer);
+  switch (activation) {
+    case Activation::kTanh:
+      add_node(graph, "Tanh", from, to);
+      return;
+    case Activation::kRelu:
+      add_node(graph, "Relu", from, to);
+      return;
+    case Activation::kLeakyRelu: {
+      onnx::AttributeProto& slope = *add_node(graph, "LeakyRelu", from, to).add_attribute();
+      slope.set_name("alpha");
+      slope.set_type(onnx::AttributeProto::FLOAT);
+      slope.set_f(0.01f);
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+std::string write_onnx(const Mlp<float>& mlp, const OnnxMetadata& metadata) {
+  onnx::ModelProto model;
+  model.set_ir_version(kIrVersion);
+  model.set_producer_name("gust");
+  for (const auto& [key, value] : metadata) {
+    onnx::StringStringEntryProto& entry = *model.add_metadata_props();
+    entry.set_key(key);
+    entry.set_value(value);
+  }
+  onnx::GraphProto& graph = *model.mutable_graph();
+  graph.set_name("policy");
+  describe_value(*graph.add_input(), "obs", mlp.shape().inputs());
+  describe_value(*graph.add_output(), "action", mlp.shape().outputs());
+  for (std::size_t layer = 0; layer < mlp.shape().layers(); ++layer) {
+    add_layer(graph, mlp, layer);
+    if (layer + 1 < mlp.shape().layers()) add_activation(graph, mlp.shape().activation, layer);
+  }
+  // The opset, which no reader does without, comes last: a file that lost its end is refused.
+  onnx::ModelProto end;
+  onnx::OperatorSetIdProto& opset = *end.add_opset_import();
+  opset.set_domain("");
+  opset.set_version(kOpset);
+  return model.SerializeAsString() + end.SerializeAsString();
+}
+
+}  // namespace gust
