@@ -1,0 +1,208 @@
+#include "gust/study/parse.h"
+
+#include <algorithm>
+
+#include "gust/study/toml.h"
+
+namespace gust {
+namespace {
+
+constexpr std::int64_t kSchema = 1;
+constexpr std::size_t kLongestName = 200;
+
+/// The tables of "[[key]]", none if it is absent.
+std::vector<const Table*> tables_of(const Table& study, std::string_view key) {
+  std::vector<const Table*> tables;
+  const Value* list = study.find(key);
+  if (list == nullptr) return tables;
+  for (const Value& item : list->as_list(key)) tables.push_back(&item.as_table(key));
+  return tables;
+}
+
+template <class Item>
+void check_new_name(const std::vector<Item>& items, const std::string& name, const Place& place, const char* what) {
+  for (const Item& item : items) {
+    if (item.name == name)
+      throw error_at(place, "duplicate ", what, " name '", name, "'; every ", what, " needs its own");
+  }
+}
+
+/// An explicit initial state: { x = 0.1, theta = 0.05 }, the rest as in the preset.
+StartProtocol explicit_start(const Table& table, const PlantSpec& spec) {
+  std::vector<std::string> names;
+  for (const Component& component : spec.state) names.push_back(component.name);
+  check_keys(table, names, "a start");
+  StartProtocol start = nominal_start(spec);
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Value* value = table.find(names[i]);
+    if (value == nullptr) continue;
+    start.state[i] = value->as_number(names[i]);
+    parts.push_back(cat(names[i], "=", start.state[i]));
+  }
+  start.name = parts.empty() ? "nominal" : join(parts, " ");
+  return start;
+}
+
+StartProtocol parse_start(const Value& value, const PlantSpec& spec) {
+  if (const auto* table = std::get_if<Table>(&value.data)) return explicit_start(*table, spec);
+  const std::string& name = value.as_text("start");
+  if (name == "nominal") return nominal_start(spec);
+  if (name == "random") return random_starts();
+  throw error_at(value.place, "unknown start '", name, "'",
+                 did_you_mean(name, std::vector<std::string>{"nominal", "random"}),
+                 "; starts are nominal, random, or a state such as { x = 0.1 }");
+}
+
+void parse_evaluate(const Table& table, Study& study) {
+  check_keys(table, {"episodes", "start", "terminate", "metrics", "disturb"}, "[evaluate]");
+  const PlantSpec& spec = study.setup.plant->spec();
+  study.episodes = optional_int(table, "episodes", study.episodes, between(1, 1'000'000));
+  if (const Value* terminate = table.find("terminate")) study.terminate = terminate->as_bool("terminate");
+  if (const Value* start = table.find("start")) {
+    study.starts.clear();
+    const auto* list = std::get_if<Value::List>(&start->data);
+    if (list == nullptr) study.starts.push_back(parse_start(*start, spec));
+    for (const Value& item : list ? *list : Value::List{}) {
+      study.starts.push_back(parse_start(item, spec));
+      for (std::size_t i = 0; i + 1 < study.starts.size(); ++i) {
+        if (study.starts[i].name == study.starts.back().name)
+          throw error_at(item.place, "duplicate start '", study.starts[i].name, "'");
+      }
+    }
+    if (study.starts.empty()) throw error_at(start->place, "'start' must name at least one start: nominal, random");
+  }
+  if (const Value* names = table.find("metrics")) {
+    study.metrics.clear();
+    for (const Value& name : names->as_list("metrics")) {
+      const std::size_t index = study.metric_set.index(name.as_text("metrics"), name.place);
+      if (std::ranges::find(study.metrics, index) == study.metrics.end()) study.metrics.push_back(index);
+    }
+    if (study.metrics.empty()) throw error_at(names->place, "'metrics' must name at least one (gust list metrics)");
+  }
+  if (const Value* disturb = table.find("disturb")) study.always = parse_disturb(*disturb, spec);
+}
+
+void parse_report(const Table& table, Study& study) {
+  check_keys(table, {"keep_traces"}, "[report]");
+  const Value* keep = table.find("keep_traces");
+  if (keep == nullptr) return;
+  study.traces = {0, 0};
+  for (const std::string& part : split_text(keep->as_text("keep_traces"), ',')) {
+    const std::vector<std::string> words = split_text(
+        part.substr(part.find_first_not_of(' ') == std::string::npos ? 0 : part.find_first_not_of(' ')), ' ');
+    const bool known = words.size() == 2 && (words[0] == "worst" || words[0] == "median");
+    const Value count = value_from_text(known ? words[1] : "", keep->place);
+    if (!known || !std::holds_alternative<std::int64_t>(count.data)) {
+      throw error_at(keep->place, "'keep_traces' must read like \"worst 1, median 1\", got '",
+                     keep->as_text("keep_traces"), "'");
+    }
+    const std::int64_t number = std::get<std::int64_t>(count.data);
+    if (number < 0 || number > 100) throw error_at(keep->place, "'keep_traces' keeps 0 to 100 episodes, got ", number);
+    (words[0] == "worst" ? study.traces.worst : study.traces.median) = number;
+  }
+}
+
+void parse_head(const Table& table, Study& study) {
+  check_keys(
+      table,
+      {"schema", "name", "question", "seed", "plant", "readings", "evaluate", "policy", "sweep", "claim", "report"},
+      "the study");
+  const Value* schema = table.find("schema");
+  if (schema == nullptr) throw error_at(table.place, "a study begins with 'schema = ", kSchema, "'");
+  if (schema->as_int("schema") != kSchema) {
+    throw error_at(schema->place, "this gust reads schema ", kSchema, ", got ", schema->as_int("schema"));
+  }
+  study.name = checked_name(table, "name", "the study");
+  if (study.name.find_first_of("/\\") != std::string::npos || study.name.front() == '.') {
+    throw error_at(table.find("name")->place, "'name' names the result folder: no slashes, no leading dot, got '",
+                   study.name, "'");
+  }
+  if (const Value* question = table.find("question")) study.question = question->as_text("question");
+  study.seed = optional_int(table, "seed", study.seed, non_negative);
+  const Value* plant = table.find("plant");
+  if (plant == nullptr)
+    throw error_at(table.place,
+                   "a study needs a plant, such as plant = { kind = \"cartpole\", preset = \"scg-2022\" }");
+  const Value* readings = table.find("readings");
+  study.setup = make_setup(plant->as_table("plant"), readings ? &readings->as_table("readings") : nullptr);
+}
+
+}  // namespace
+
+std::size_t StudyPolicy::count() const {
+  if (kind == Kind::kTrain) return seeds.size();
+  return kind == Kind::kOnnx ? files.size() : 1;
+}
+
+std::size_t Sweep::cells() const {
+  std::size_t cells = 1;
+  for (const Axis& axis : axes) cells *= axis.values.size();
+  return cells;
+}
+
+const std::string& required_text(const Table& table, std::string_view key, std::string_view what) {
+  const Value* value = table.find(key);
+  if (value == nullptr) throw error_at(table.place, what, " needs a '", key, "'");
+  return value->as_text(key);
+}
+
+std::string checked_name(const Table& table, std::string_view key, std::string_view what) {
+  const std::string name = required_text(table, key, what);
+  const bool control = std::ranges::any_of(name, [](unsigned char letter) { return letter < 0x20 || letter == 0x7f; });
+  if (name.empty() || name.size() > kLongestName || control) {
+    throw error_at(table.find(key)->place, "'", key, "' must be 1 to ", kLongestName, " printable characters");
+  }
+  return name;
+}
+
+std::int64_t optional_int(const Table& table, std::string_view key, std::int64_t standard, const Range& range) {
+  if (const Value* value = table.find(key)) read_value(standard, *value, key, range);
+  return standard;
+}
+
+std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec) {
+  std::vector<Injection> injections;
+  for (const Value& item : list.as_list("disturb")) {
+    const Table& table = item.as_table("disturb");
+    if (!table.contains("level")) throw error_at(table.place, "a disturbance that is always on needs a 'level'");
+    injections.push_back(read_injection(table, spec));
+  }
+  return injections;
+}
+
+Study parse_study(std::string_view bytes, std::string_view name, const std::vector<std::string>& settings,
+                  const FindFiles& find) {
+  Table table = parse_toml(bytes, name);
+  for (const std::string& setting : settings) apply_setting(table, setting);
+  Study study;
+  study.text = bytes;
+  parse_head(table, study);
+  const PlantSpec& spec = study.setup.plant->spec();
+  study.starts = {nominal_start(spec), random_starts()};
+  for (const char* metric : {"anr_h", "anr", "survival", "rmse_paper"})
+    study.metrics.push_back(study.metric_set.index(metric, {}));
+  if (const Value* evaluate = table.find("evaluate")) parse_evaluate(evaluate->as_table("evaluate"), study);
+  for (const Table* policy : tables_of(table, "policy")) {
+    StudyPolicy parsed = parse_policy(*policy, study, find);
+    check_new_name(study.policies, parsed.name, policy->find("name")->place, "policy");
+    study.policies.push_back(std::move(parsed));
+  }
+  if (study.policies.empty()) throw error_at(table.place, "a study needs at least one [[policy]]");
+  for (const Table* sweep : tables_of(table, "sweep")) {
+    Sweep parsed = parse_sweep(*sweep, study);
+    check_new_name(study.sweeps, parsed.name, sweep->find("name")->place, "sweep");
+    study.sweeps.push_back(std::move(parsed));
+  }
+  for (const Table* claim : tables_of(table, "claim")) {
+    study.claims.push_back(parse_claim_of(*claim, study));
+    for (std::size_t i = 0; i + 1 < study.claims.size(); ++i) {
+      if (study.claims[i].id == study.claims.back().id)
+        throw error_at(claim->find("id")->place, "duplicate claim id '", study.claims[i].id, "'");
+    }
+  }
+  if (const Value* report = table.find("report")) parse_report(report->as_table("report"), study);
+  return study;
+}
+
+}  // namespace gust

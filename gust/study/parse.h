@@ -1,0 +1,36 @@
+#pragma once
+
+#include "gust/study/study.h"
+
+namespace gust {
+
+// The parts of parse_study, one file each.
+
+/// Replaces one value of a parsed text: "path.to.key=value". A list of tables is entered by the name or id of a table.
+void apply_setting(Table& study, const std::string& setting);
+
+/// [[policy]]; `study` already has its setup.
+StudyPolicy parse_policy(const Table& table, const Study& study, const FindFiles& find);
+
+/// [[sweep]]
+Sweep parse_sweep(const Table& table, const Study& study);
+
+/// [[claim]]; `study` already has its policies and sweeps.
+StudyClaim parse_claim_of(const Table& table, const Study& study);
+
+/// "disturb = [ … ]": injections that are always on, each with its level.
+std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec);
+
+/// { from, to, count } or a list, ascending and without repeats; at least one number.
+std::vector<double> parse_levels(const Value& value, std::string_view what);
+
+/// The text of a required key.
+const std::string& required_text(const Table& table, std::string_view key, std::string_view what);
+
+/// A name that pages, files and messages can carry.
+std::string checked_name(const Table& table, std::string_view key, std::string_view what);
+
+/// Reads an optional whole number within bounds.
+std::int64_t optional_int(const Table& table, std::string_view key, std::int64_t standard, const Range& range);
+
+}  // namespace gust

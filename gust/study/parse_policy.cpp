@@ -1,0 +1,111 @@
+#include "gust/study/agent_options.h"
+#include "gust/study/parse.h"
+#include "gust/study/policies.h"
+
+namespace gust {
+namespace {
+
+using Kind = StudyPolicy::Kind;
+
+constexpr std::int64_t kMostSeeds = 10'000;
+
+Kind kind_from(const Table& table) {
+  const std::string& name = required_text(table, "kind", "a policy");
+  const std::vector<std::string> names = {"lqr", "zero", "onnx", "train"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) return static_cast<Kind>(i);
+  }
+  throw error_at(table.find("kind")->place, "unknown policy kind '", name, "'", did_you_mean(name, names),
+                 "; kinds are ", join(names, ", "));
+}
+
+std::vector<double> weights(const Table& table, const char* key, const std::vector<double>& standard,
+                            const Range& range) {
+  std::vector<double> values = standard;
+  const Value* value = table.find(key);
+  if (value == nullptr) return values;
+  read_value(values, *value, key, range);
+  if (values.size() != standard.size()) {
+    throw error_at(value->place, "'", key, "' must have ", standard.size(), " numbers, got ", values.size());
+  }
+  return values;
+}
+
+void parse_lqr(const Table& table, const Study& study, StudyPolicy& policy) {
+  check_keys(table, {"name", "kind", "q", "r"}, "an lqr policy");
+  const LqrWeights standard = reward_weights(study.setup.plant->spec());
+  policy.weights = {weights(table, "q", standard.q, non_negative), weights(table, "r", standard.r, positive)};
+  try {
+    lqr_gain(*study.setup.plant, policy.weights);
+  } catch (const Error& error) {
+    throw error_at(table.place, error.what());
+  }
+}
+
+void parse_onnx(const Table& table, const Study& study, const FindFiles& find, StudyPolicy& policy) {
+  check_keys(table, {"name", "kind", "file"}, "an onnx policy");
+  const std::string& pattern = required_text(table, "file", "an onnx policy");
+  const Place& place = table.find("file")->place;
+  policy.files = find(pattern, place);
+  if (policy.files.empty()) throw error_at(place, "no file matches '", pattern, "'");
+  for (const StudyPolicy::File& file : policy.files) onnx_policy(file.bytes, file.path, study.setup);
+}
+
+std::vector<std::int64_t> parse_seeds(const Value& value) {
+  std::vector<std::int64_t> seeds;
+  if (!std::holds_alternative<Value::List>(value.data)) {
+    seeds.push_back(value.as_int("seeds"));
+  } else {
+    for (const Value& seed : value.as_list("seeds")) seeds.push_back(seed.as_int("seeds"));
+  }
+  if (seeds.empty()) throw error_at(value.place, "'seeds' must name at least one seed, such as [1, 2, 3]");
+  if (seeds.size() > kMostSeeds) throw error_at(value.place, "at most ", kMostSeeds, " seeds, got ", seeds.size());
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    if (seeds[i] < 0) throw error_at(value.place, "'seeds' must be >= 0, got ", seeds[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (seeds[i] == seeds[j]) throw error_at(value.place, "duplicate seed ", seeds[i]);
+    }
+  }
+  return seeds;
+}
+
+void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
+  check_keys(table, {"name", "kind", "agent", "seeds"}, "a policy to train");
+  const Value* agent = table.find("agent");
+  if (agent == nullptr)
+    throw error_at(table.place, "a policy to train needs an 'agent', such as agent = { kind = \"ppo\" }");
+  Table options = agent->as_table("agent");
+  if (const Value* disturb = options.find("disturb")) {
+    policy.disturbed = parse_disturb(*disturb, study.setup.plant->spec());
+    options.erase("disturb");
+  }
+  policy.agent = agents().make(resolve_agent(options, study.setup));
+  policy.seeds = {1};
+  if (const Value* seeds = table.find("seeds")) policy.seeds = parse_seeds(*seeds);
+}
+
+}  // namespace
+
+StudyPolicy parse_policy(const Table& table, const Study& study, const FindFiles& find) {
+  StudyPolicy policy;
+  policy.name = checked_name(table, "name", "a policy");
+  policy.kind = kind_from(table);
+  policy.place = table.place;
+  switch (policy.kind) {
+    case Kind::kLqr:
+      parse_lqr(table, study, policy);
+      break;
+    case Kind::kZero:
+      check_keys(table, {"name", "kind"}, "a zero policy");
+      break;
+    case Kind::kOnnx:
+      parse_onnx(table, study, find, policy);
+      break;
+    case Kind::kTrain:
+      parse_train(table, study, policy);
+      break;
+  }
+  return policy;
+}
+
+}  // namespace gust

@@ -1,0 +1,211 @@
+#include "gust/study/plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/hash.h"
+
+namespace gust {
+namespace {
+
+// Raised when the same text would give another outcome.
+constexpr int kTrainVersion = 1;
+constexpr int kSearchVersion = 1;
+constexpr int kEvaluateVersion = 1;
+
+// Predicted seconds on one core of a current machine; only the order of magnitude matters for the progress display.
+constexpr double kSecondsPerTrainingStep = 7e-6;
+constexpr double kSecondsPerEpisodeStep = 1.5e-7;
+constexpr double kSecondsPerSubstep = 8e-9;
+
+std::string slug(std::string_view text) {
+  std::string result;
+  for (const char letter : text) {
+    const bool plain = (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9');
+    if (plain) result += letter;
+    if (letter >= 'A' && letter <= 'Z') result += static_cast<char>(letter - 'A' + 'a');
+    if (!plain && !result.empty() && result.back() != '-') result += '-';
+  }
+  while (!result.empty() && result.back() == '-') result.pop_back();
+  return result.substr(0, 40);
+}
+
+void name_trial(Trial& trial, std::string_view label) {
+  trial.id = cat(slug(label), "-", hash_hex(trial.canonical).substr(0, 20));
+}
+
+std::string common_text(const Study& study) {
+  return cat("preset ", study.setup.preset, "\nplant ", study.setup.plant.canonical, "\nreadings ",
+             canonical_fields(study.setup.readings), "\n");
+}
+
+std::string injections_text(const std::vector<Injection>& injections) {
+  std::string text;
+  for (const Injection& injection : injections) {
+    text += cat("disturb ", injection.canonical(), " level ", canonical_text(injection.level), "\n");
+  }
+  return text;
+}
+
+/// What the policy is, without its name: equal policies in two studies share their trials.
+std::string policy_text(const Study& study, const Trial& trial, const Plan& plan) {
+  const StudyPolicy& policy = study.policies[trial.policy];
+  switch (policy.kind) {
+    case StudyPolicy::Kind::kLqr:
+      return cat("policy lqr q ", canonical_text(policy.weights.q), " r ", canonical_text(policy.weights.r), "\n");
+    case StudyPolicy::Kind::kZero:
+      return "policy zero\n";
+    case StudyPolicy::Kind::kOnnx:
+      return cat("policy onnx ", hash_hex(policy.files[trial.member].bytes), "\n");
+    default:
+      return cat("policy ", plan.trials[trial.inputs.front()].id, "\n");
+  }
+}
+
+std::string member_label(const StudyPolicy& policy, std::size_t member) {
+  if (policy.kind == StudyPolicy::Kind::kTrain) return cat(policy.name, " seed ", policy.seeds[member]);
+  if (policy.kind == StudyPolicy::Kind::kOnnx && policy.files.size() > 1)
+    return cat(policy.name, " ", policy.files[member].path);
+  return policy.name;
+}
+
+Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
+  const StudyPolicy& trained = study.policies[policy];
+  Trial trial{.kind = Trial::Kind::kTrain, .policy = policy, .member = member};
+  trial.canonical = cat("train v", kTrainVersion, "\n", common_text(study), "agent ", trained.agent.canonical, "\n",
+                        injections_text(trained.disturbed), "seed ", trained.seeds[member], "\n");
+  trial.what = cat("train ", member_label(trained, member));
+  trial.seconds = kSecondsPerTrainingStep * static_cast<double>(trained.agent->steps());
+  name_trial(trial, cat(trained.agent.kind, " s", trained.seeds[member]));
+  return trial;
+}
+
+Trial search_trial(const Study& study, Trial trial, const Plan& plan) {
+  const Sweep& sweep = study.sweeps[trial.sweep];
+  trial.kind = Trial::Kind::kSearch;
+  trial.canonical =
+      cat("search v", kSearchVersion, "\n", common_text(study), policy_text(study, trial, plan),
+          injections_text(study.always), "sweep ", sweep.injection->canonical(), "\nseed ", study.seed, "\n");
+  trial.what = cat("search ", member_label(study.policies[trial.policy], trial.member), " · ", sweep.name);
+  trial.seconds = 0.1;
+  name_trial(trial, cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind));
+  return trial;
+}
+
+std::string sweep_text(const Study& study, const Trial& trial) {
+  if (trial.sweep == Trial::kNominal) return "nominal\n";
+  const Sweep& sweep = study.sweeps[trial.sweep];
+  std::string text = sweep.injection ? cat("sweep ", sweep.injection->canonical(), "\n") : std::string();
+  for (const Sweep::Axis& axis : sweep.axes) {
+    text += cat("axis ", axis.parameter.empty() ? "level" : axis.parameter, " ", canonical_text(axis.values), "\n");
+  }
+  return text;
+}
+
+std::string starts_text(const Study& study) {
+  std::string text;
+  for (const StartProtocol& start : study.starts) {
+    text += start.random ? "start random\n" : cat("start ", canonical_text(start.state), "\n");
+  }
+  return text;
+}
+
+std::string sweep_label(const Study& study, const Trial& trial) {
+  if (trial.sweep == Trial::kNominal) return "nominal";
+  const Sweep& sweep = study.sweeps[trial.sweep];
+  if (sweep.injection) return cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind);
+  return sweep.axes.size() == 1 ? sweep.axes[0].parameter : cat(sweep.axes[0].parameter, " ", sweep.axes[1].parameter);
+}
+
+Trial evaluate_trial(const Study& study, Trial trial, const Plan& plan) {
+  const PlantSpec& spec = study.setup.plant->spec();
+  trial.kind = Trial::Kind::kEvaluate;
+  trial.canonical =
+      cat("evaluate v", kEvaluateVersion, "\n", common_text(study), policy_text(study, trial, plan),
+          injections_text(study.always), sweep_text(study, trial), starts_text(study), "episodes ", study.episodes,
+          "\nterminate ", study.terminate, "\nseed ", study.seed, "\ntraces worst ", study.traces.worst, " median ",
+          study.traces.median, " by ", study.metric_set.name(study.metrics.front()), "\n");
+  const std::string name = trial.sweep == Trial::kNominal ? "nominal" : study.sweeps[trial.sweep].name;
+  trial.what = cat("evaluate ", member_label(study.policies[trial.policy], trial.member), " · ", name);
+  const double cells = trial.sweep == Trial::kNominal ? 1.0 : static_cast<double>(study.sweeps[trial.sweep].cells());
+  const double steps =
+      cells * static_cast<double>(study.starts.size()) * static_cast<double>(study.episodes * spec.steps);
+  trial.seconds = steps * (kSecondsPerEpisodeStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate);
+  name_trial(trial, sweep_label(study, trial));
+  return trial;
+}
+
+/// The training that a policy's member comes from, if it is trained.
+std::vector<std::size_t> inputs_of(const Plan& plan, std::size_t policy, std::size_t member) {
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    const Trial& trial = plan.trials[i];
+    if (trial.kind == Trial::Kind::kTrain && trial.policy == policy && trial.member == member) return {i};
+  }
+  return {};
+}
+
+template <class Visit>
+void for_each_member(const Study& study, Visit&& visit) {
+  for (std::size_t policy = 0; policy < study.policies.size(); ++policy) {
+    for (std::size_t member = 0; member < study.policies[policy].count(); ++member) visit(policy, member);
+  }
+}
+
+}  // namespace
+
+std::string_view kind_name(Trial::Kind kind) {
+  static constexpr std::string_view kNames[] = {"train", "search", "evaluate"};
+  return kNames[static_cast<int>(kind)];
+}
+
+Plan expand(const Study& study, const FoundLevels& found) {
+  Plan plan;
+  for_each_member(study, [&](std::size_t policy, std::size_t member) {
+    if (study.policies[policy].kind == StudyPolicy::Kind::kTrain)
+      plan.trials.push_back(train_trial(study, policy, member));
+  });
+  for_each_member(study, [&](std::size_t policy, std::size_t member) {
+    const Trial base{.policy = policy, .member = member, .inputs = inputs_of(plan, policy, member)};
+    for (std::size_t sweep = 0; sweep < study.sweeps.size(); ++sweep) {
+      if (!study.sweeps[sweep].automatic) continue;
+      Trial trial = base;
+      trial.sweep = sweep;
+      plan.trials.push_back(search_trial(study, trial, plan));
+    }
+  });
+  for_each_member(study, [&](std::size_t policy, std::size_t member) {
+    const Trial base{.policy = policy, .member = member, .inputs = inputs_of(plan, policy, member)};
+    plan.trials.push_back(evaluate_trial(study, base, plan));
+    for (std::size_t sweep = 0; sweep < study.sweeps.size(); ++sweep) {
+      if (study.sweeps[sweep].automatic && !found.contains(sweep)) {
+        plan.complete = false;
+        continue;
+      }
+      Trial trial = base;
+      trial.sweep = sweep;
+      plan.trials.push_back(evaluate_trial(study, trial, plan));
+    }
+  });
+  return plan;
+}
+
+void set_levels(Study& study, const FoundLevels& found) {
+  for (const auto& [sweep, levels] : found) study.sweeps[sweep].axes.front().values = levels;
+}
+
+double search_limit(Site site) { return site == Site::kObservation ? 12.0 : 60.0; }
+
+std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit) {
+  static constexpr double kShares[] = {0, 0.25, 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5};
+  double greatest = 0;
+  for (const double level : failure_levels) greatest = std::max(greatest, std::isfinite(level) ? level : 0.0);
+  const double unit = greatest > 0 ? greatest : limit / 1.5;
+  std::vector<double> levels;
+  for (const double share : kShares) {
+    const double level = unit * share;
+    levels.push_back(std::stod(fmt::format("{:.3g}", level)));  // levels that people can read
+  }
+  return levels;
+}
+
+}  // namespace gust

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <map>
+
+#include "gust/study/study.h"
+
+namespace gust {
+
+/// One unit of work: a training, the search of a failure level, or one sweep of one policy. Its outcome is a pure
+/// function of its canonical text, whose hash is its name.
+struct Trial {
+  enum class Kind { kTrain, kSearch, kEvaluate };
+  static constexpr std::size_t kNominal = static_cast<std::size_t>(-1);
+
+  Kind kind = Kind::kEvaluate;
+  std::string id = {};         ///< slug and hash
+  std::string what = {};       ///< for people: "ppo seed 2 · action step"
+  std::string canonical = {};  ///< all that makes its outcome
+  std::size_t policy = 0;
+  std::size_t member = 0;        ///< which seed or file of the policy
+  std::size_t sweep = kNominal;  ///< kNominal: undisturbed
+  std::vector<std::size_t> inputs = {};
+  double seconds = 0;  ///< predicted, on one core
+};
+
+/// "train", "search", "evaluate": also the folders of the store.
+std::string_view kind_name(Trial::Kind kind);
+
+/// Levels that were found for automatic sweeps, by sweep.
+using FoundLevels = std::map<std::size_t, std::vector<double>>;
+
+/// All trials in their fixed order: trainings, searches, then evaluations by policy, member and sweep. Evaluations of
+/// automatic sweeps are there once their levels are.
+struct Plan {
+  std::vector<Trial> trials;
+  bool complete = true;  ///< false while automatic sweeps wait for their levels
+};
+
+Plan expand(const Study& study, const FoundLevels& found);
+
+/// A study whose automatic sweeps have the levels that were found.
+void set_levels(Study& study, const FoundLevels& found);
+
+/// The common grid of an automatic sweep from the failure levels of all policies (infinite where nothing failed):
+/// eleven levels from 0 to one and a half times the greatest, closer together around it (tasks A9).
+std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit);
+
+/// Beyond this level the search for a failure ends.
+double search_limit(Site site);
+
+}  // namespace gust

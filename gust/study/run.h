@@ -1,0 +1,36 @@
+#pragma once
+
+#include "gust/study/executor.h"
+#include "gust/study/plan.h"
+#include "gust/study/store.h"
+
+namespace gust {
+
+/// How a study is run; nothing here changes a number.
+struct RunOptions {
+  std::size_t threads = 1;
+  std::stop_token stop;
+  /// Called around each batch of work: shows the progress while `work` runs. May be empty.
+  std::function<void(Progress&, const std::function<void()>& work)> watch;
+};
+
+/// What became of the trials, in plan order.
+struct RunOutcome {
+  Plan plan;
+  std::vector<Outcome> outcomes;
+  std::size_t found = 0;  ///< trials that were in the store already
+  bool stopped = false;
+
+  std::size_t failed() const;
+};
+
+/// Runs what the store does not hold yet. Automatic sweeps get their levels as soon as their searches are done.
+RunOutcome run_study(Study& study, const Store& store, const RunOptions& options);
+
+/// The levels of the automatic sweeps whose searches the store holds.
+FoundLevels found_levels(const Study& study, const Plan& plan, const Store& store);
+
+/// The plan as far as the store knows it: found levels are put into the study.
+Plan plan_with_store(Study& study, const Store& store);
+
+}  // namespace gust

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <optional>
+#include <set>
+
+#include "gust/agents/agent.h"
+#include "gust/control/lqr.h"
+#include "gust/eval/evaluate.h"
+#include "gust/eval/metric.h"
+#include "gust/study/setup.h"
+
+namespace gust {
+
+/// A policy of a study: a regulator, nothing at all, files, or trainings with one policy a seed.
+struct StudyPolicy {
+  enum class Kind { kLqr, kZero, kOnnx, kTrain };
+  struct File {
+    std::string path;  ///< as the study's pattern found it
+    std::string bytes;
+  };
+
+  std::string name;
+  Kind kind = Kind::kZero;
+  Place place;
+  LqrWeights weights;                ///< kLqr
+  std::vector<File> files;           ///< kOnnx; several count as seeds
+  Made<Agent> agent;                 ///< kTrain
+  std::vector<std::int64_t> seeds;   ///< kTrain
+  std::vector<Injection> disturbed;  ///< kTrain: on during training
+
+  /// How many policies share the name: training seeds or files, else one.
+  std::size_t count() const;
+};
+
+/// Something that grows along an axis while everything else stays: the level of a disturbance, or plant parameters.
+struct Sweep {
+  struct Axis {
+    std::string parameter;       ///< empty: the level of the injection
+    std::size_t index = 0;       ///< of the parameter in the plant's spec
+    std::vector<double> values;  ///< ascending; absolute for parameters
+  };
+
+  std::string name;
+  Place place;
+  std::optional<Injection> injection;
+  bool automatic = false;  ///< the levels are found by bisection first
+  std::vector<Axis> axes;  ///< one, or two for a grid (the first varies slowest)
+
+  std::size_t cells() const;
+};
+
+/// A statement about the outcome, decided with an interval.
+struct StudyClaim {
+  std::string id;
+  std::string text;
+  std::string holds;  ///< "survival >= 0.95"
+  std::string policy;
+  std::string sweep;       ///< empty: undisturbed
+  std::vector<double> at;  ///< level, or one value per axis
+  std::string start;
+  bool required = true;
+  Place place;
+};
+
+/// Which episodes of a sweep are kept whole, for the replay.
+struct TraceRule {
+  std::int64_t worst = 0;
+  std::int64_t median = 0;
+};
+
+/// A study as it was written, every default filled in.
+struct Study {
+  std::string text;  ///< the bytes of the file
+  std::string name;
+  std::string question;
+  std::int64_t seed = 1;
+  Setup setup;
+  std::int64_t episodes = 25;
+  std::vector<StartProtocol> starts;
+  bool terminate = true;
+  std::vector<std::size_t> metrics;  ///< what the page leads with, by index
+  std::vector<Injection> always;     ///< on in every evaluation
+  std::vector<StudyPolicy> policies;
+  std::vector<Sweep> sweeps;
+  std::vector<StudyClaim> claims;
+  TraceRule traces;
+  MetricSet metric_set;
+};
+
+/// Finds and reads the files of a pattern such as "policies/*.onnx", sorted by path.
+using FindFiles = std::function<std::vector<StudyPolicy::File>(const std::string& pattern, const Place& place)>;
+
+/// Reads a study. `settings` are key=value pairs that replace what the text says, the last one first
+/// ("evaluate.episodes=5", "policy.ppo.seeds=[1,2]"). Throws Error with the place and what would be right.
+Study parse_study(std::string_view bytes, std::string_view name, const std::vector<std::string>& settings,
+                  const FindFiles& find);
+
+}  // namespace gust

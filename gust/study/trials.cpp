@@ -1,0 +1,265 @@
+#include "gust/study/trials.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+
+#include "gust/core/version.h"
+#include "gust/nn/onnx.h"
+#include "gust/study/checkpoint.h"
+#include "gust/study/policies.h"
+#include "gust/study/rows.h"
+#include "gust/study/trace_choice.h"
+
+namespace gust {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kBetweenCheckpoints{2};
+
+Outcome failure(std::string reason) { return {Outcome::State::failed, std::move(reason)}; }
+
+/// Advances to the end, keeping checkpoints; false if it was stopped before.
+bool train_to_end(Training& training, const Store& store, const std::string& id, std::stop_token stop,
+                  ProgressSink& progress) {
+  Clock::time_point saved = Clock::now();
+  while (!training.done()) {
+    const bool stopping = stop.stop_requested();
+    if (stopping || Clock::now() - saved > kBetweenCheckpoints) {
+      save_checkpoint(store, id, training.save());
+      saved = Clock::now();
+    }
+    if (stopping) return false;
+    training.advance();
+    progress.set(static_cast<double>(training.steps()) / static_cast<double>(training.total_steps()));
+  }
+  return true;
+}
+
+/// A training that goes on where a checkpoint of the same training left off, if there is a good one.
+std::unique_ptr<Training> begin_training(const Agent& agent, const TrainingTask& task, const Store& store,
+                                         const std::string& id) {
+  std::unique_ptr<Training> training = agent.start(task);
+  const std::optional<std::string> bytes = load_checkpoint(store, id);
+  if (!bytes) return training;
+  try {
+    training->load(*bytes);
+    return training;
+  } catch (const Error&) {  // from another version: train from the start
+    remove_checkpoint(store, id);
+    return agent.start(task);
+  }
+}
+
+Outcome run_train(const Study& study, const Trial& trial, const Store& store, std::stop_token stop,
+                  ProgressSink& progress) {
+  const StudyPolicy& policy = study.policies[trial.policy];
+  const TrainingTask task{study.setup.plant.object.get(), study.setup.readings, policy.disturbed,
+                          policy.seeds[trial.member]};
+  const std::unique_ptr<Training> training = begin_training(*policy.agent, task, store, trial.id);
+  if (!train_to_end(*training, store, trial.id, stop, progress)) return {Outcome::State::stopped, ""};
+
+  TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
+  writer.write(kCurveFile, curve_text(training->curve()));
+  if (training->failure().empty()) {
+    const std::map<std::string, std::string> metadata = {{"gust.plant", study.setup.plant.kind},
+                                                         {"gust.preset", study.setup.preset},
+                                                         {"gust.units", study.setup.plant->spec().action_unit()},
+                                                         {"gust.seed", cat(policy.seeds[trial.member])},
+                                                         {"gust.version", std::string(kVersion)},
+                                                         {"gust.trial", trial.id}};
+    writer.write(kPolicyFile, write_onnx(training->actor(), metadata));
+  } else {
+    writer.write(kFailureFile, training->failure());
+  }
+  writer.commit(trial.canonical);
+  return training->failure().empty() ? Outcome{} : failure(training->failure());
+}
+
+/// Writes the rows of each cell as soon as it is complete.
+class CellCollector {
+ public:
+  CellCollector(const Study& study, const Evaluation& evaluation, RowsWriter& rows)
+      : study_(study),
+        per_start_(static_cast<std::size_t>(evaluation.episodes) * study.metric_set.size()),
+        cell_(evaluation.starts.size() * per_start_),
+        rows_(rows) {}
+
+  void take(const EpisodeIndex& index, Episode episode) {
+    if (!study_.terminate) episode.ended = episode.whole;
+    const std::size_t count = study_.metric_set.size();
+    double* row = &cell_[index.start * per_start_ + static_cast<std::size_t>(index.episode) * count];
+    for (std::size_t m = 0; m < count; ++m) row[m] = study_.metric_set[m].value(episode);
+    score_ = row[study_.metrics.front()];
+    if (&row[count] == cell_.data() + cell_.size()) rows_.append_cell(cell_);
+  }
+  /// The headline score of the episode that was taken last.
+  double score() const { return score_; }
+
+ private:
+  const Study& study_;
+  std::size_t per_start_;
+  std::vector<double> cell_;
+  RowsWriter& rows_;
+  double score_ = 0;
+};
+
+RowsHeader rows_header(const Study& study, const Evaluation& evaluation) {
+  RowsHeader header;
+  for (std::size_t m = 0; m < study.metric_set.size(); ++m) header.metrics.push_back(study.metric_set.name(m));
+  for (const StartProtocol& start : evaluation.starts) header.starts.push_back(start.name);
+  header.episodes = static_cast<std::uint64_t>(evaluation.episodes);
+  header.cells = evaluation.cells.size();
+  return header;
+}
+
+struct Stopped {};  // leaves an evaluation between two episodes
+
+Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,
+                     ProgressSink& progress) {
+  const std::unique_ptr<Policy> policy = trial_policy(study, plan, trial, store);
+  const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
+  const Evaluation& evaluation = task->evaluation;
+  TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
+  OutputFile& file = writer.file(kRowsFile);
+  RowsWriter rows(rows_header(study, evaluation), [&](std::string_view bytes) { file.append(bytes); });
+  CellCollector collector(study, evaluation, rows);
+  TraceChoice choice(study.traces, study.metric_set[study.metrics.front()].higher_is_better());
+  try {
+    evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
+      if (stop.stop_requested()) throw Stopped{};
+      collector.take(index, episode);
+      choice.offer(index, collector.score());
+      progress.set(static_cast<double>(index.cell) / static_cast<double>(evaluation.cells.size()));
+    });
+  } catch (const Stopped&) {
+    return {Outcome::State::stopped, ""};
+  }
+  rows.finish();
+  std::vector<Trace> traces;
+  for (const EpisodeIndex& index : choice.chosen()) traces.push_back(trace_episode(evaluation, *policy, index));
+  writer.write(kTracesFile, traces_text(traces));
+  writer.commit(trial.canonical);
+  return {};
+}
+
+/// Whether the policy fails at a level, from the nominal start.
+bool fails_at(const Evaluation& evaluation, Policy& policy, double level) {
+  Evaluation one = evaluation;
+  one.cells.resize(1);
+  one.cells.front().levels.back() = level;
+  bool failed = false;
+  evaluate(one, policy, [&](const EpisodeIndex&, const Episode& episode) { failed = failed || episode.failed; });
+  return failed;
+}
+
+/// The smallest level that fails, within five percent, by doubling and then bisection.
+double search_level(const Evaluation& evaluation, Policy& policy, double limit) {
+  constexpr double kFirst = 1e-3;
+  constexpr double kWithin = 1.05;
+  double high = kFirst;
+  while (high < limit && !fails_at(evaluation, policy, high)) high *= 2;
+  if (high >= limit && !fails_at(evaluation, policy, limit)) return std::numeric_limits<double>::infinity();
+  high = std::min(high, limit);
+  double low = high / 2;
+  while (high / low > kWithin) {
+    const double middle = 0.5 * (low + high);
+    (fails_at(evaluation, policy, middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+Outcome run_search(const Study& study, const Plan& plan, const Trial& trial, const Store& store) {
+  const std::unique_ptr<Policy> policy = trial_policy(study, plan, trial, store);
+  const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
+  task->evaluation.starts = {nominal_start(study.setup.plant->spec())};
+  task->evaluation.episodes = 1;
+  task->evaluation.cells.resize(1);
+  task->evaluation.cells.front().parameters = nominal_parameters(study.setup.plant->spec());
+  for (const Injection& injection : task->injections) task->evaluation.cells.front().levels.push_back(injection.level);
+  const double level = search_level(task->evaluation, *policy, search_limit(task->injections.back().site));
+  TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
+  writer.write(kLevelFile, cat(level));
+  writer.commit(trial.canonical);
+  return {};
+}
+
+}  // namespace
+
+Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const Store& store, std::stop_token stop,
+                  ProgressSink& progress) {
+  const Trial& trial = plan.trials[index];
+  if (const std::optional<StoredTrial> done = store.load(kind_name(trial.kind), trial.id)) {
+    return done->contains(kFailureFile) ? failure(done->read(kFailureFile)) : Outcome{};
+  }
+  switch (trial.kind) {
+    case Trial::Kind::kTrain:
+      return run_train(study, trial, store, stop, progress);
+    case Trial::Kind::kSearch:
+      return run_search(study, plan, trial, store);
+    default:
+      return run_evaluate(study, plan, trial, store, stop, progress);
+  }
+}
+
+std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Trial& trial) {
+  const PlantSpec& spec = study.setup.plant->spec();
+  auto task = std::make_unique<TrialEvaluation>();
+  task->injections = study.always;
+  const Sweep* sweep = trial.sweep == Trial::kNominal ? nullptr : &study.sweeps[trial.sweep];
+  if (sweep && sweep->injection) task->injections.push_back(*sweep->injection);
+
+  Evaluation& evaluation = task->evaluation;
+  evaluation.plant = study.setup.plant.object.get();
+  evaluation.readings = study.setup.readings;
+  evaluation.injections = task->injections;
+  evaluation.starts = study.starts;
+  evaluation.episodes = study.episodes;
+  evaluation.root = Rng(static_cast<std::uint64_t>(study.seed));
+  SweepCell cell{{}, nominal_parameters(spec)};
+  for (const Injection& injection : task->injections) cell.levels.push_back(injection.level);
+  evaluation.cells.assign(sweep ? sweep->cells() : 1, cell);
+  if (sweep == nullptr) return task;
+  const std::size_t inner = sweep->axes.back().values.size();
+  for (std::size_t c = 0; c < evaluation.cells.size(); ++c) {
+    for (std::size_t a = 0; a < sweep->axes.size(); ++a) {
+      const Sweep::Axis& axis = sweep->axes[a];
+      const double value = axis.values[sweep->axes.size() == 2 && a == 0 ? c / inner : c % inner];
+      (axis.parameter.empty() ? evaluation.cells[c].levels.back() : evaluation.cells[c].parameters[axis.index]) = value;
+    }
+  }
+  return task;
+}
+
+std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const Trial& trial, const Store& store) {
+  const StudyPolicy& policy = study.policies[trial.policy];
+  switch (policy.kind) {
+    case StudyPolicy::Kind::kLqr:
+      return feedback_policy(*study.setup.plant, lqr_gain(*study.setup.plant, policy.weights));
+    case StudyPolicy::Kind::kZero:
+      return zero_policy(study.setup.plant->spec().state.size(), study.setup.plant->spec().action.size());
+    case StudyPolicy::Kind::kOnnx:
+      return onnx_policy(policy.files[trial.member].bytes, policy.files[trial.member].path, study.setup);
+    default:
+      break;
+  }
+  const Trial& training = plan.trials[trial.inputs.front()];
+  const std::optional<StoredTrial> stored = store.load(kind_name(training.kind), training.id);
+  if (!stored || !stored->contains(kPolicyFile))
+    throw Error(cat("the policy of '", training.what, "' is not in the store"));
+  return onnx_policy(stored->read(kPolicyFile), training.id, study.setup);
+}
+
+std::optional<double> found_level(const Store& store, const Trial& trial) {
+  if (!store.has(kind_name(trial.kind), trial.id)) return std::nullopt;
+  const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+  if (!stored) return std::nullopt;
+  const std::string text = stored->read(kLevelFile);
+  double level = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
+  if (error != std::errc{}) throw Error(cat(trial.id, "/", kLevelFile, ": not a number"));
+  return level;
+}
+
+}  // namespace gust

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "gust/study/executor.h"
+#include "gust/study/plan.h"
+#include "gust/study/store.h"
+
+namespace gust {
+
+// Files of a trial in the store; their formats are in docs/formats.md.
+inline constexpr std::string_view kPolicyFile = "policy.onnx";
+inline constexpr std::string_view kCurveFile = "curve.csv";
+inline constexpr std::string_view kFailureFile = "failure.txt";  ///< why a training ended without a policy
+inline constexpr std::string_view kRowsFile = "rows.bin";
+inline constexpr std::string_view kTracesFile = "traces.json";
+inline constexpr std::string_view kLevelFile = "level.txt";  ///< failure level that a search found
+
+/// Runs one trial and puts its outcome into the store; what is there already is only looked at. Trainings go on from
+/// their checkpoint. Throws or returns a failure with its reason; returns `stopped` soon after the token fires.
+Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const Store& store, std::stop_token stop,
+                  ProgressSink& progress);
+
+/// What an evaluation trial measures. The study must outlive it.
+struct TrialEvaluation {
+  std::vector<Injection> injections;  ///< the study's own, then the swept one
+  Evaluation evaluation;              ///< refers to `injections`
+};
+std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Trial& trial);
+
+/// The policy of a trial; a trained one is read from the store. Throws Error if it is not there.
+std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const Trial& trial, const Store& store);
+
+/// The failure level of a finished search; infinite if nothing failed up to the limit, none if it is not finished.
+std::optional<double> found_level(const Store& store, const Trial& trial);
+
+/// Learning curves as the store keeps them.
+std::string curve_text(const std::vector<CurvePoint>& curve);
+std::vector<CurvePoint> read_curve(std::string_view text, std::string_view name);
+
+/// Kept episodes as the store keeps them.
+std::string traces_text(const std::vector<Trace>& traces);
+std::vector<Trace> read_traces(std::string_view text, std::string_view name);
+
+}  // namespace gust
