@@ -1,0 +1,74 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "gust/core/rng.h"
+#include "gust/core/rows.h"
+#include "gust/eval/interval.h"
+
+namespace gust {
+
+/// The percentile bootstrap: which units are drawn in each resample, and the interval that follows.
+///
+/// Units come in strata; a resample draws from each stratum, with replacement and independently, as many units as it
+/// has (rliable's stratified bootstrap). Equal strata always meet the same draws, whatever was asked before: so equal
+/// data give equal bits in any order of questions, and the draws of a common shape are made once. An object serves one
+/// thread.
+class Bootstrap {
+ public:
+  static constexpr std::size_t kBlock = 512;  ///< most resamples that are looked at together
+
+  explicit Bootstrap(Rng rng, std::size_t resamples = 10'000, double confidence = 0.95);
+
+  std::size_t resamples() const { return resamples_; }
+  double confidence() const { return confidence_; }
+
+  /// Calls visit(first, times) for consecutive blocks of resamples: times.at(unit, k) says how often a unit is drawn in
+  /// resample first + k; times.lanes is at most kBlock. Units are numbered through all strata.
+  template <class Visit>
+  void for_each_block(std::span<const std::size_t> strata, Visit&& visit);
+
+  /// Sets low and high to the two percentiles of what the resamples gave, and reorders that. Infinity is allowed, NaN
+  /// not.
+  void bound(Interval& interval, std::span<double> resampled) const;
+
+ private:
+  using Times = Matrix<std::uint16_t>;
+
+  /// The draws of all resamples if the shape is small enough to keep, else null.
+  const Times* kept(std::span<const std::size_t> strata);
+  /// Counts the draws of resamples first, first + 1, … , one a lane.
+  void draw(std::span<const std::size_t> strata, std::size_t first, Rows<std::uint16_t> times) const;
+
+  Rng rng_;
+  std::size_t resamples_;
+  double confidence_;
+  std::map<std::vector<std::size_t>, Times> kept_;
+};
+
+template <class Visit>
+void Bootstrap::for_each_block(std::span<const std::size_t> strata, Visit&& visit) {
+  std::size_t units = 0;
+  for (const std::size_t size : strata) units += size;
+  const Times* all = kept(strata);
+  Times scratch(all ? 0 : units, kBlock);
+  for (std::size_t first = 0; first < resamples_; first += kBlock) {
+    const std::size_t count = std::min(kBlock, resamples_ - first);
+    if (all) {
+      const Rows<const std::uint16_t> times = all->view();
+      visit(first, Rows<const std::uint16_t>{times.data + first, units, count, times.stride});
+    } else {
+      const Rows<std::uint16_t> times = scratch.view();
+      const Rows<std::uint16_t> block{times.data, units, count, times.stride};
+      draw(strata, first, block);
+      visit(first, Rows<const std::uint16_t>(block));
+    }
+  }
+}
+
+}  // namespace gust

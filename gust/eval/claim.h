@@ -1,0 +1,42 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gust/core/value.h"
+#include "gust/eval/interval.h"
+
+namespace gust {
+
+enum class Relation { at_least, above, at_most, below };
+
+/// A statement about one number, such as "survival >= 0.95".
+struct Claim {
+  std::string metric;
+  Relation relation = Relation::at_least;
+  double bound = 0.0;
+};
+
+/// "survival >= 0.95"
+std::string claim_text(const Claim& claim);
+
+/// Reads "METRIC RELATION NUMBER", the relation being one of >=, >, <= and <. Throws an Error at the place of the text,
+/// with the column within it, if it is anything else or the metric is not one of those given.
+Claim parse_claim(std::string_view text, std::span<const std::string> metrics, const Place& place);
+
+enum class Outcome { holds, fails, undecided, not_testable };
+
+/// "holds", "fails", "undecided" or "not testable".
+std::string_view outcome_name(Outcome outcome);
+
+struct Verdict {
+  Outcome outcome = Outcome::not_testable;
+  std::string reason;  ///< a sentence with the numbers
+};
+
+/// Holds if the whole interval satisfies the claim, fails if none of it does, else it is undecided. Without an interval
+/// (one value only, or none that is finite) the claim is not testable: a single number says nothing about the next one.
+Verdict decide(const Claim& claim, const Interval& interval);
+
+}  // namespace gust

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "gust/core/rows.h"
+
+namespace gust {
+
+/// The values of one metric of one policy in one situation: a row is a training seed, a lane an episode.
+///
+/// The training seed is the experimental unit and episodes are nested in it. A policy that was not trained, or of which
+/// there is one training only, has one row. Lanes are episodes that may truly differ: where start and disturbance are
+/// fixed, so that all episodes would be the same one, pass a single lane.
+using Cell = Rows<const double>;
+
+/// What an interval was resampled over, that is, what it lets you generalise to.
+enum class Unit {
+  none,      ///< there was one value only, so no interval
+  episodes,  ///< other starts and noise, for this very policy
+  seeds,     ///< other trainings of the same agent, on the same episodes
+};
+
+/// "seeds", "episodes" or "none".
+std::string_view unit_name(Unit unit);
+
+/// An estimate and its confidence interval. Where no interval exists (one value only, a value not finite), low and high
+/// are NaN; whatever compares against them is then false.
+struct Interval {
+  double estimate = std::numeric_limits<double>::quiet_NaN();
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
+  Unit unit = Unit::none;
+  std::size_t n = 0;  ///< how many units there were, in a comparison those of the smaller side that varies
+};
+
+/// "0.953 [0.91, 0.987] (10 seeds)", to four significant digits.
+std::string interval_text(const Interval& interval);
+
+}  // namespace gust
