@@ -53,24 +53,24 @@ void all_lanes(std::span<const T> bias, std::span<T> y) {
 template <class T>
 void add_bias_and_activate(Activation kind, std::span<const T> bias, std::span<T> y) {
   switch (kind) {
-    case Activation::tanh:
-      return all_lanes<Activation::tanh>(bias, y);
-    case Activation::relu:
-      return all_lanes<Activation::relu>(bias, y);
-    case Activation::leaky_relu:
-      return all_lanes<Activation::leaky_relu>(bias, y);
+    case Activation::kTanh:
+      return all_lanes<Activation::kTanh>(bias, y);
+    case Activation::kRelu:
+      return all_lanes<Activation::kRelu>(bias, y);
+    case Activation::kLeakyRelu:
+      return all_lanes<Activation::kLeakyRelu>(bias, y);
   }
 }
 
 template <class T>
 void through_activations(Activation kind, std::span<const T> y, std::span<T> dy, std::span<T> bias_gradient) {
   switch (kind) {
-    case Activation::tanh:
-      return all_columns<Activation::tanh>(y, dy, bias_gradient);
-    case Activation::relu:
-      return all_columns<Activation::relu>(y, dy, bias_gradient);
-    case Activation::leaky_relu:
-      return all_columns<Activation::leaky_relu>(y, dy, bias_gradient);
+    case Activation::kTanh:
+      return all_columns<Activation::kTanh>(y, dy, bias_gradient);
+    case Activation::kRelu:
+      return all_columns<Activation::kRelu>(y, dy, bias_gradient);
+    case Activation::kLeakyRelu:
+      return all_columns<Activation::kLeakyRelu>(y, dy, bias_gradient);
   }
 }
 

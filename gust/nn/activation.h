@@ -7,8 +7,8 @@
 
 namespace gust {
 
-/// What a hidden layer does to its sums. leaky_relu has the slope 0.01 below zero.
-enum class Activation { tanh, relu, leaky_relu };
+/// What a hidden layer does to its sums. kLeakyRelu has the slope 0.01 below zero.
+enum class Activation { kTanh, kRelu, kLeakyRelu };
 
 namespace detail {
 
@@ -42,18 +42,18 @@ V tanh_exponential(V x) {
 /// value, never beyond -1 … 1, and NaN for NaN.
 template <Activation kind, class T, class V>
 [[gnu::always_inline]] inline V activate(V z) {
-  if constexpr (kind == Activation::tanh && sizeof(T) == sizeof(float)) return detail::tanh_rational(z);
-  if constexpr (kind == Activation::tanh && sizeof(T) == sizeof(double)) return detail::tanh_exponential(z);
-  if constexpr (kind == Activation::relu) return greater(V{}, z);
-  if constexpr (kind == Activation::leaky_relu) return greater(z * T(0.01), z);
+  if constexpr (kind == Activation::kTanh && sizeof(T) == sizeof(float)) return detail::tanh_rational(z);
+  if constexpr (kind == Activation::kTanh && sizeof(T) == sizeof(double)) return detail::tanh_exponential(z);
+  if constexpr (kind == Activation::kRelu) return greater(V{}, z);
+  if constexpr (kind == Activation::kLeakyRelu) return greater(z * T(0.01), z);
 }
 
 /// The gradient at the sum, from the gradient dy at the activation y = activate(z). V is T or a vector of T.
 template <Activation kind, class T, class V>
 V through_activation(V dy, V y) {
-  if constexpr (kind == Activation::tanh) return dy * fused(-y, y, V{} + T(1));
-  if constexpr (kind == Activation::relu) return y > V{} ? dy : V{};
-  if constexpr (kind == Activation::leaky_relu) return y > V{} ? dy : dy * T(0.01);
+  if constexpr (kind == Activation::kTanh) return dy * fused(-y, y, V{} + T(1));
+  if constexpr (kind == Activation::kRelu) return y > V{} ? dy : V{};
+  if constexpr (kind == Activation::kLeakyRelu) return y > V{} ? dy : dy * T(0.01);
 }
 
 /// y = activate(y + bias) for every lane of a batch (lanes x width, the features of a lane side by side).

@@ -14,7 +14,7 @@ namespace gust {
 /// A chain of linear layers with an activation after every one but the last.
 struct MlpShape {
   std::vector<std::size_t> sizes;  ///< inputs, hidden widths, outputs
-  Activation activation = Activation::tanh;
+  Activation activation = Activation::kTanh;
 
   std::size_t inputs() const { return sizes.front(); }
   std::size_t outputs() const { return sizes.back(); }
