@@ -111,15 +111,15 @@ Claim parse_claim(std::string_view text, std::span<const std::string> metrics, c
   return claim;
 }
 
-std::string_view outcome_name(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::holds:
+std::string_view ruling_name(Ruling ruling) {
+  switch (ruling) {
+    case Ruling::holds:
       return "holds";
-    case Outcome::fails:
+    case Ruling::fails:
       return "fails";
-    case Outcome::undecided:
+    case Ruling::undecided:
       return "undecided";
-    case Outcome::not_testable:
+    case Ruling::not_testable:
       break;
   }
   return "not testable";
@@ -127,15 +127,15 @@ std::string_view outcome_name(Outcome outcome) {
 
 Verdict decide(const Claim& claim, const Interval& interval) {
   const std::string found = cat(claim.metric, " = ", interval_text(interval));
-  if (!std::isfinite(interval.estimate)) return {Outcome::not_testable, cat(claim.metric, " has no finite value")};
+  if (!std::isfinite(interval.estimate)) return {Ruling::not_testable, cat(claim.metric, " has no finite value")};
   if (std::isnan(interval.low) || std::isnan(interval.high)) {
-    return {Outcome::not_testable, cat(found, "; more than one seed or episode would give an interval")};
+    return {Ruling::not_testable, cat(found, "; more than one seed or episode would give an interval")};
   }
   const bool low = satisfies(interval.low, claim.relation, claim.bound);
   const bool high = satisfies(interval.high, claim.relation, claim.bound);
-  if (low && high) return {Outcome::holds, found};
-  if (!low && !high) return {Outcome::fails, found};
-  return {Outcome::undecided, cat(found, "; the interval holds values on both sides of ", claim.bound)};
+  if (low && high) return {Ruling::holds, found};
+  if (!low && !high) return {Ruling::fails, found};
+  return {Ruling::undecided, cat(found, "; the interval holds values on both sides of ", claim.bound)};
 }
 
 }  // namespace gust

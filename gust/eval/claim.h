@@ -25,13 +25,13 @@ std::string claim_text(const Claim& claim);
 /// with the column within it, if it is anything else or the metric is not one of those given.
 Claim parse_claim(std::string_view text, std::span<const std::string> metrics, const Place& place);
 
-enum class Outcome { holds, fails, undecided, not_testable };
+enum class Ruling { holds, fails, undecided, not_testable };
 
 /// "holds", "fails", "undecided" or "not testable".
-std::string_view outcome_name(Outcome outcome);
+std::string_view ruling_name(Ruling ruling);
 
 struct Verdict {
-  Outcome outcome = Outcome::not_testable;
+  Ruling ruling = Ruling::not_testable;
   std::string reason;  ///< a sentence with the numbers
 };
 
