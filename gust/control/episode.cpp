@@ -66,7 +66,10 @@ void EpisodeMeter::record_lane(const ClosedLoop& loop, std::size_t lane) {
   Episode& episode = episodes_[lane];
   if (episode.whole.steps >= episode.horizon) return;
   const StepTally step = tally(loop, spec_, lane);
-  if (!episode.failed) add(episode.ended, step, loop.state(), lane);
+  if (!episode.failed) {
+    add(episode.ended, step, loop.state(), lane);
+    ++episode.safe_steps;
+  }
   add(episode.whole, step, loop.state(), lane);
   episode.failed = episode.failed || loop.failed(lane);
   episode.finite = episode.finite && std::isfinite(step.squared) && std::isfinite(step.disturbed);

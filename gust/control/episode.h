@@ -26,6 +26,7 @@ struct Episode {
   EpisodePart ended;  ///< up to and with the step that failed
   EpisodePart whole;  ///< all steps of the horizon
   bool failed = false;
+  std::int64_t safe_steps = 0;  ///< steps up to and with the one that failed; all of them if none did
   bool finite = true;  ///< false if a state or reward was no finite number; sums are then NaN where it entered
   double control_rate = 0;
   std::int64_t horizon = 0;

@@ -8,7 +8,7 @@ struct TimeToFailure {
   static constexpr std::string_view kUnit = "s";
   static constexpr std::tuple<> kFields = {};
 
-  double value(const Episode& episode) const { return steps_of(episode.ended) / episode.control_rate; }
+  double value(const Episode& episode) const { return static_cast<double>(episode.safe_steps) / episode.control_rate; }
 };
 
 }  // namespace

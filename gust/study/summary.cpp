@@ -1,0 +1,286 @@
+#include "gust/study/summary.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include "gust/eval/aggregate.h"
+#include "gust/eval/survival.h"
+#include "gust/study/rows.h"
+#include "gust/study/trials.h"
+
+namespace gust {
+namespace {
+
+constexpr std::size_t kBandResamples = 2'000;     // of each cell's interval
+constexpr std::size_t kMarginResamples = 10'000;  // of margins and claims
+
+/// The trials of one policy's members over one sweep.
+struct Group {
+  std::size_t policy = 0;
+  std::size_t sweep = Trial::kNominal;
+  std::vector<std::size_t> trials;
+};
+
+std::vector<Group> groups_of(const Plan& plan) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    const Trial& trial = plan.trials[i];
+    if (trial.kind != Trial::Kind::kEvaluate) continue;
+    const auto same = [&](const Group& group) { return group.policy == trial.policy && group.sweep == trial.sweep; };
+    auto at = std::ranges::find_if(groups, same);
+    if (at == groups.end()) at = groups.insert(groups.end(), {trial.policy, trial.sweep, {}});
+    at->trials.push_back(i);
+  }
+  return groups;
+}
+
+/// The rows of several members of a policy, read cell by cell side by side.
+class MemberRows {
+ public:
+  MemberRows(const Plan& plan, const Group& group, const Store& store, std::vector<std::string>& missing) {
+    for (const std::size_t index : group.trials) {
+      const Trial& trial = plan.trials[index];
+      std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+      if (!stored) {
+        missing.push_back(trial.what);
+        continue;
+      }
+      streams_.push_back(std::make_unique<std::ifstream>(stored->open(kRowsFile)));
+      readers_.emplace_back(*streams_.back(), trial.id);
+    }
+  }
+
+  std::size_t members() const { return readers_.size(); }
+  const RowsHeader& header() const { return readers_.front().header(); }
+
+  /// Reads the next cell of every member; false after the last.
+  bool next() {
+    cells_.clear();
+    for (RowsReader& reader : readers_) cells_.push_back(reader.next());
+    return !cells_.empty() && !cells_.front().empty();
+  }
+
+  /// One metric from one start: members x episodes, or one episode where all are the same one.
+  Matrix<double> values(std::size_t start, std::size_t metric, bool repeats) const {
+    const std::size_t episodes = repeats ? 1 : static_cast<std::size_t>(header().episodes);
+    const std::size_t metrics = header().metrics.size();
+    Matrix<double> values(cells_.size(), episodes);
+    for (std::size_t m = 0; m < cells_.size(); ++m) {
+      const double* first = cells_[m].data() + start * static_cast<std::size_t>(header().episodes) * metrics + metric;
+      for (std::size_t e = 0; e < episodes; ++e) values.at(m, e) = first[e * metrics];
+    }
+    return values;
+  }
+
+ private:
+  std::vector<std::unique_ptr<std::ifstream>> streams_;
+  std::vector<RowsReader> readers_;
+  std::vector<std::span<const double>> cells_;
+};
+
+/// Seed means for several seeds, else the episodes: all that a margin needs of a cell.
+Matrix<double> unit_matrix(const Matrix<double>& values) {
+  if (values.rows() == 1) return values;
+  Matrix<double> means(values.rows(), 1);
+  for (std::size_t m = 0; m < values.rows(); ++m) {
+    double sum = 0;
+    for (const double value : values.row(m)) sum += value;
+    means.at(m, 0) = sum / static_cast<double>(values.lanes());
+  }
+  return means;
+}
+
+/// What one thread needs to summarise group after group.
+class Summariser {
+ public:
+  Summariser(const Study& study, const Plan& plan, const Store& store, std::size_t margin_metric)
+      : study_(study),
+        plan_(plan),
+        store_(store),
+        margin_metric_(margin_metric),
+        survival_(study.metric_set.index("survival", {})),
+        bands_(stream(study), kBandResamples),
+        margins_(stream(study), kMarginResamples) {}
+
+  struct Part {
+    std::vector<Series> series;
+    std::vector<ClaimVerdict> claims;
+    std::vector<std::string> missing;
+  };
+
+  Part summarise(const Group& group) {
+    Part part;
+    MemberRows rows(plan_, group, store_, part.missing);
+    if (rows.members() == 0) return part;
+    const std::size_t starts = rows.header().starts.size();
+    for (std::size_t start = 0; start < starts; ++start)
+      part.series.push_back(empty_series(group, start, rows.header()));
+    std::vector<std::vector<Matrix<double>>> kept(starts);
+    for (std::size_t cell = 0; rows.next(); ++cell) {
+      for (std::size_t start = 0; start < starts; ++start) {
+        fill_cell(rows, cell, part.series[start]);
+        if (has_margin(group))
+          kept[start].push_back(unit_matrix(rows.values(start, margin_metric_, repeats(group, start))));
+        judge_claims(rows, cell, part.series[start], part.claims);
+      }
+    }
+    for (std::size_t start = 0; start < starts && has_margin(group); ++start)
+      fill_margin(kept[start], part.series[start]);
+    return part;
+  }
+
+ private:
+  static Rng stream(const Study& study) { return Rng(static_cast<std::uint64_t>(study.seed)).split("bootstrap"); }
+
+  bool repeats(const Group& group, std::size_t start) const {
+    if (study_.starts[start].random) return false;
+    bool noisy = false;
+    for (const Injection& injection : study_.always) noisy = noisy || injection.waveform->random();
+    if (group.sweep == Trial::kNominal) return !noisy;
+    const auto& injection = study_.sweeps[group.sweep].injection;
+    return !noisy && !(injection && injection->waveform->random());
+  }
+
+  bool has_margin(const Group& group) const {
+    if (group.sweep == Trial::kNominal) return false;
+    const Sweep& sweep = study_.sweeps[group.sweep];
+    return sweep.injection && sweep.axes.front().values.size() > 1;
+  }
+
+  Series empty_series(const Group& group, std::size_t start, const RowsHeader& header) const {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    Series series{.policy = group.policy, .sweep = group.sweep, .start = start};
+    series.cells = static_cast<std::size_t>(header.cells);
+    series.values.assign(header.metrics.size() * series.cells, {kUnknown, kUnknown, kUnknown});
+    return series;
+  }
+
+  /// An interval for what the page leads with, the mean alone for the rest.
+  void fill_cell(const MemberRows& rows, std::size_t cell, Series& series) {
+    const bool same = repeats({series.policy, series.sweep, {}}, series.start);
+    for (std::size_t metric = 0; metric < study_.metric_set.size(); ++metric) {
+      const Matrix<double> values = rows.values(series.start, metric, same);
+      const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
+      const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
+      series.values[metric * series.cells + cell] = {result.estimate, result.low, result.high};
+      if (metric == margin_metric_) {
+        for (std::size_t m = 0; m < values.rows(); ++m) {
+          series.not_finite += static_cast<std::size_t>(
+              std::ranges::count_if(values.row(m), [](double v) { return !std::isfinite(v); }));
+        }
+        series.unit = unit_of(values.view());
+        series.units = series.unit == Unit::seeds ? values.rows() : values.lanes();
+      }
+    }
+  }
+
+  static double mean_of(const Matrix<double>& values) {
+    double sum = 0;
+    for (std::size_t m = 0; m < values.rows(); ++m) {
+      for (const double value : values.row(m)) sum += value;
+    }
+    return sum / static_cast<double>(values.rows() * values.lanes());
+  }
+
+  Interval measure(const Matrix<double>& values, std::size_t metric, Bootstrap& bootstrap) const {
+    if (metric == survival_) return survival_interval(values.view(), bootstrap);
+    return interval(values.view(), Statistic::mean, bootstrap);
+  }
+
+  void judge_claims(const MemberRows& rows, std::size_t cell, const Series& series,
+                    std::vector<ClaimVerdict>& verdicts) {
+    for (const StudyClaim& claim : study_.claims) {
+      if (claim.policy != study_.policies[series.policy].name || claim.start != study_.starts[series.start].name)
+        continue;
+      if (!stands_at(claim, series.sweep, cell)) continue;
+      std::vector<std::string> names;
+      for (std::size_t i = 0; i < study_.metric_set.size(); ++i) names.push_back(study_.metric_set.name(i));
+      const Claim parsed = parse_claim(claim.holds, names, claim.place);
+      const std::size_t metric = study_.metric_set.index(parsed.metric, claim.place);
+      const bool same = repeats({series.policy, series.sweep, {}}, series.start);
+      const Interval measured = measure(rows.values(series.start, metric, same), metric, margins_);
+      verdicts.push_back({&claim, measured, decide(parsed, measured)});
+    }
+  }
+
+  bool stands_at(const StudyClaim& claim, std::size_t sweep, std::size_t cell) const {
+    if (sweep == Trial::kNominal) return claim.sweep.empty();
+    if (claim.sweep != study_.sweeps[sweep].name) return false;
+    const std::vector<Sweep::Axis>& axes = study_.sweeps[sweep].axes;
+    const std::size_t inner = axes.back().values.size();
+    for (std::size_t a = 0; a < axes.size(); ++a) {
+      if (axes[a].values[axes.size() == 2 && a == 0 ? cell / inner : cell % inner] != claim.at[a]) return false;
+    }
+    return true;
+  }
+
+  void fill_margin(const std::vector<Matrix<double>>& kept, Series& series) {
+    std::vector<Cell> cells;
+    for (const Matrix<double>& matrix : kept) cells.push_back(matrix.view());
+    const std::vector<double>& levels = study_.sweeps[series.sweep].axes.front().values;
+    series.margin = margin({levels, cells}, {}, margins_);
+    series.has_margin = true;
+  }
+
+  const Study& study_;
+  const Plan& plan_;
+  const Store& store_;
+  std::size_t margin_metric_;
+  std::size_t survival_;
+  Bootstrap bands_;
+  Bootstrap margins_;
+};
+
+/// Margins are of a score: the first leading metric that is better when higher, but not survival, which has no slope.
+std::size_t margin_metric_of(const Study& study) {
+  for (const std::size_t metric : study.metrics) {
+    if (study.metric_set[metric].higher_is_better() && study.metric_set.name(metric) != "survival") return metric;
+  }
+  return study.metric_set.index("anr_h", {});
+}
+
+}  // namespace
+
+const Series* Summary::find(std::size_t policy, std::size_t sweep, std::size_t start) const {
+  for (const Series& item : series) {
+    if (item.policy == policy && item.sweep == sweep && item.start == start) return &item;
+  }
+  return nullptr;
+}
+
+Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads) {
+  const std::vector<Group> groups = groups_of(plan);
+  Summary summary;
+  summary.margin_metric = margin_metric_of(study);
+  std::vector<Summariser::Part> parts(groups.size());
+  std::vector<std::exception_ptr> errors(groups.size());
+  std::atomic<std::size_t> next = 0;
+  {
+    std::vector<std::jthread> workers;
+    for (std::size_t t = 0; t < std::max<std::size_t>(threads, 1); ++t) {
+      workers.emplace_back([&] {
+        Summariser summariser(study, plan, store, summary.margin_metric);
+        for (std::size_t i = next++; i < groups.size(); i = next++) {
+          try {
+            parts[i] = summariser.summarise(groups[i]);
+          } catch (...) {
+            errors[i] = std::current_exception();
+          }
+        }
+      });
+    }
+  }
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (errors[i]) std::rethrow_exception(errors[i]);
+    std::ranges::move(parts[i].series, std::back_inserter(summary.series));
+    std::ranges::move(parts[i].claims, std::back_inserter(summary.claims));
+    std::ranges::move(parts[i].missing, std::back_inserter(summary.missing));
+  }
+  std::ranges::sort(summary.claims, {}, [&](const ClaimVerdict& verdict) { return verdict.claim; });
+  return summary;
+}
+
+}  // namespace gust

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "gust/eval/claim.h"
+#include "gust/eval/margin.h"
+#include "gust/study/run.h"
+
+namespace gust {
+
+/// An estimate with the ends of its interval; NaN where there is none.
+struct Estimate {
+  double value = 0;
+  double low = 0;
+  double high = 0;
+};
+
+/// One policy along one sweep from one start, seeds and episodes taken together.
+struct Series {
+  std::size_t policy = 0;
+  std::size_t sweep = Trial::kNominal;
+  std::size_t start = 0;
+  std::size_t cells = 0;
+  std::vector<Estimate> values = {};  ///< [metric][cell], metrics as in MetricSet
+  Unit unit = Unit::none;        ///< what the intervals were resampled over
+  std::size_t units = 0;
+  Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
+  bool has_margin = false;
+  std::size_t not_finite = 0;  ///< episodes with numbers that were none
+
+  const Estimate& at(std::size_t metric, std::size_t cell) const { return values[metric * cells + cell]; }
+};
+
+struct ClaimVerdict {
+  const StudyClaim* claim = nullptr;
+  Interval measured;
+  Verdict verdict;
+};
+
+/// What a study found: everything that tables and the page show, in plan order. Memory per cell does not depend on
+/// the number of episodes or seeds.
+struct Summary {
+  std::vector<Series> series;
+  std::vector<ClaimVerdict> claims;
+  std::size_t margin_metric = 0;
+  std::vector<std::string> missing;  ///< trials that are not in the store
+
+  /// The series of a policy, sweep and start; null if its trials are missing.
+  const Series* find(std::size_t policy, std::size_t sweep, std::size_t start) const;
+};
+
+/// Reads the trials of a plan from the store as a stream and summarises them. Equal trials give equal bits for any
+/// number of threads.
+Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads);
+
+/// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal.
+std::string margins_table(const Study& study, const Summary& summary, std::size_t start);
+
+/// The verdicts of the claims, one line each.
+std::string claims_table(const Summary& summary);
+
+}  // namespace gust
