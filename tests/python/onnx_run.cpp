@@ -1,5 +1,7 @@
 // onnx_run MODEL.onnx: reads observations as float32 from the standard input until it ends, and writes a line "n m kind" (kind
-// is mlp or program), then the actions as float32. A file that is refused: exit 2 and the message on the standard error.
+// is mlp or program), then the actions as float32.
+// onnx_run --rewrite MODEL.onnx: writes the network as gust writes its own.
+// A file that is refused: exit 2 and the message on the standard error.
 #include <cstddef>
 #include <cstring>
 #include <exception>
@@ -16,9 +18,19 @@ namespace {
 
 std::string read_all(std::istream& in) { return {std::istreambuf_iterator<char>(in), {}}; }
 
-void run(const std::string& path) {
+gust::OnnxModel read_model(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  const gust::OnnxModel model = gust::read_onnx(read_all(file), path);
+  return gust::read_onnx(read_all(file), path);
+}
+
+void rewrite(const std::string& path) {
+  const gust::OnnxModel model = read_model(path);
+  if (!model.mlp) throw gust::Error(gust::cat(path, ": is no chain of linear layers with one kind of activation"));
+  std::cout << gust::write_onnx(*model.mlp, model.metadata);
+}
+
+void run(const std::string& path) {
+  const gust::OnnxModel model = read_model(path);
   const std::string bytes = read_all(std::cin);
   const std::size_t lanes = bytes.size() / sizeof(float) / model.observations();
   std::vector<float> observations(lanes * model.observations());
@@ -35,8 +47,14 @@ void run(const std::string& path) {
 }  // namespace
 
 int main(int count, char** arguments) try {
-  if (count != 2) throw gust::Error("usage: onnx_run MODEL.onnx");
-  run(arguments[1]);
+  const std::vector<std::string> words(arguments + 1, arguments + count);
+  if (words.size() == 2 && words[0] == "--rewrite") {
+    rewrite(words[1]);
+  } else if (words.size() == 1) {
+    run(words[0]);
+  } else {
+    throw gust::Error("usage: onnx_run [--rewrite] MODEL.onnx");
+  }
 } catch (const gust::Error& error) {
   std::cerr << error.what() << '\n';
   return 2;
