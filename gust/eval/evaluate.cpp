@@ -5,11 +5,6 @@
 namespace gust {
 namespace {
 
-/// The streams of an episode: shared by every policy, level and start.
-Rng episode_stream(const Evaluation& evaluation, std::int64_t episode) {
-  return evaluation.root.split("evaluation").split(static_cast<std::uint64_t>(episode));
-}
-
 /// The disturbances of each episode, drawn when first asked for.
 class SignalStore {
  public:
@@ -71,6 +66,10 @@ std::vector<Episode> run_batch(const Evaluation& evaluation, Policy& policy, Sig
 }
 
 }  // namespace
+
+Rng episode_stream(const Evaluation& evaluation, std::int64_t episode) {
+  return evaluation.root.split("evaluation").split(static_cast<std::uint64_t>(episode));
+}
 
 void evaluate(const Evaluation& evaluation, Policy& policy,
               const std::function<void(const EpisodeIndex&, const Episode&)>& take, std::size_t lanes) {

@@ -32,6 +32,9 @@ struct Evaluation {
   Rng root{0};  ///< of the study; policies, levels and lanes never change which noise an episode meets
 };
 
+/// The streams of an episode: shared by every policy, level and start.
+Rng episode_stream(const Evaluation& evaluation, std::int64_t episode);
+
 /// Names one episode of an evaluation.
 struct EpisodeIndex {
   std::size_t cell = 0;

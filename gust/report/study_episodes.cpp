@@ -1,0 +1,138 @@
+#include "gust/report/study_episodes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/study/trials.h"
+
+namespace gust {
+namespace {
+
+constexpr std::size_t kMostEpisodes = 60;  // about 3 MB of the page
+
+std::vector<double> values_of(const Matrix<double>& matrix, std::size_t row) {
+  return {matrix.row(row).begin(), matrix.row(row).end()};
+}
+
+std::vector<Page::Trace> traces_of(const std::vector<Component>& components, const Matrix<double>& values) {
+  std::vector<Page::Trace> traces;
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    traces.push_back({components[i].name, components[i].unit, values_of(values, i)});
+  }
+  return traces;
+}
+
+/// What a site added, one trace a channel that was disturbed.
+void add_pushes(Page::Episode& episode, Site site, const std::vector<Component>& channels,
+                const Matrix<double>& values) {
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    std::vector<double> value = values_of(values, i);
+    if (std::ranges::all_of(value, [](double v) { return v == 0.0; })) continue;
+    episode.disturbances.push_back(
+        {std::string(site_name(site)), {channels[i].name, channels[i].unit, std::move(value)}});
+  }
+}
+
+/// a - b, over the columns of the shorter.
+Matrix<double> difference_of(const Matrix<double>& a, const Matrix<double>& b) {
+  Matrix<double> result(a.rows(), std::min(a.lanes(), b.lanes()));
+  for (std::size_t i = 0; i < a.rows(); ++i) {
+    for (std::size_t k = 0; k < result.lanes(); ++k) result.at(i, k) = a.at(i, k) - b.at(i, k);
+  }
+  return result;
+}
+
+std::string failure_text(const Trace& trace, const PlantSpec& spec) {
+  if (trace.failed_at < 0) return {};
+  const auto column = static_cast<std::size_t>(trace.failed_at);
+  for (std::size_t i = 0; i < spec.state.size(); ++i) {
+    const double value = trace.state.at(i, column);
+    if (!std::isfinite(value)) return cat(spec.state[i].name, " is no number");
+    if (value > spec.fail_high[i])
+      return cat(spec.state[i].name, fmt::format(" > {:.3g} ", spec.fail_high[i]), spec.state[i].unit);
+    if (value < spec.fail_low[i])
+      return cat(spec.state[i].name, fmt::format(" < {:.3g} ", spec.fail_low[i]), spec.state[i].unit);
+  }
+  return {};
+}
+
+/// The parameters that drawing needs, as this cell has them.
+std::vector<std::pair<std::string, double>> geometry_of(const SweepCell& cell, const PlantSpec& spec) {
+  std::vector<std::pair<std::string, double>> geometry;
+  for (std::size_t i = 0; i < spec.parameters.size(); ++i)
+    geometry.emplace_back(spec.parameters[i].name, cell.parameters[i]);
+  geometry.emplace_back("x_limit", spec.fail_high.front());
+  geometry.emplace_back("action_limit", spec.action_high.front());
+  return geometry;
+}
+
+Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& trace, const TrialEvaluation& task) {
+  const PlantSpec& spec = study.setup.plant->spec();
+  const StudyPolicy& policy = study.policies[trial.policy];
+  Page::Episode episode;
+  episode.policy = trial.policy;
+  episode.start = trace.index.start;
+  episode.plant = study.setup.plant.kind;
+  episode.geometry = geometry_of(task.evaluation.cells[trace.index.cell], spec);
+  episode.rate = spec.control_rate;
+  episode.states = traces_of(spec.state, trace.state);
+  episode.commanded = traces_of(spec.action, trace.commanded);
+  episode.applied = traces_of(spec.action, trace.applied);
+  add_pushes(episode, Site::kObservation, spec.state, difference_of(trace.observation, trace.state));
+  // What the action site added is not recorded by itself where the command was clipped first; the signals are.
+  if (!task.injections.empty()) {
+    const Signals signals(
+        task.injections, spec,
+        task.evaluation.root.split("evaluation").split(static_cast<std::uint64_t>(trace.index.episode)));
+    Matrix<double> added(spec.action.size(), trace.applied.lanes());
+    for (std::size_t i = 0; i < task.injections.size(); ++i) {
+      if (task.injections[i].site != Site::kAction) continue;
+      for (std::size_t c = 0; c < added.rows(); ++c) {
+        for (std::size_t k = 0; k < added.lanes(); ++k) {
+          added.at(c, k) += task.evaluation.cells[trace.index.cell].levels[i] * signals.channel(i, c)[k];
+        }
+      }
+    }
+    add_pushes(episode, Site::kAction, spec.action, added);
+  }
+  add_pushes(episode, Site::kDynamics, spec.force, trace.force);
+  episode.reward = trace.reward;
+  if (trace.failed_at >= 0) episode.failed_step = static_cast<std::size_t>(trace.failed_at);
+  episode.failure = failure_text(trace, spec);
+  const std::string seed = policy.kind == StudyPolicy::Kind::kTrain ? cat(" seed ", policy.seeds[trial.member]) : "";
+  const std::string sweep = trial.sweep == Trial::kNominal ? "undisturbed" : study.sweeps[trial.sweep].name;
+  episode.title = cat(policy.name, seed, " · ", sweep);
+  return episode;
+}
+
+}  // namespace
+
+std::vector<Page::Episode> kept_episodes(const Study& study, const Plan& plan, const Store& store,
+                                         const std::vector<std::size_t>& sweep_at) {
+  std::vector<const Trial*> trials;
+  for (const Trial& trial : plan.trials) {
+    if (trial.kind == Trial::Kind::kEvaluate && trial.member == 0) trials.push_back(&trial);
+  }
+  std::vector<Page::Episode> episodes;
+  const std::size_t each = std::max<std::size_t>(1, trials.empty() ? 1 : kMostEpisodes / trials.size());
+  const std::size_t stride = std::max<std::size_t>(1, (trials.size() + kMostEpisodes - 1) / kMostEpisodes);
+  for (std::size_t t = 0; t < trials.size(); t += stride) {
+    const Trial& trial = *trials[t];
+    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    if (!stored) continue;
+    const std::vector<Trace> traces = read_traces(stored->read(kTracesFile), trial.id);
+    const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
+    for (std::size_t i = 0; i < std::min(each, traces.size()); ++i) {
+      Page::Episode episode = page_episode(study, trial, traces[i], *task);
+      if (trial.sweep != Trial::kNominal) {
+        const Sweep& sweep = study.sweeps[trial.sweep];
+        episode.sweep = sweep_at[trial.sweep];
+        if (sweep.axes.size() == 1) episode.level = sweep.axes.front().values[traces[i].index.cell];
+      }
+      episodes.push_back(std::move(episode));
+    }
+  }
+  return episodes;
+}
+
+}  // namespace gust

@@ -1,0 +1,293 @@
+#include "gust/report/study_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/report/study_episodes.h"
+#include "gust/study/trials.h"
+
+namespace gust {
+namespace {
+
+constexpr std::size_t kMostWorst = 10;
+
+std::string kind_text(const StudyPolicy& policy) {
+  switch (policy.kind) {
+    case StudyPolicy::Kind::kLqr:
+      return "lqr";
+    case StudyPolicy::Kind::kZero:
+      return "zero";
+    case StudyPolicy::Kind::kOnnx:
+      return "onnx";
+    default:
+      return cat("train ", policy.agent.kind);
+  }
+}
+
+std::string metric_title(const std::string& name) {
+  if (name == "anr") return "return / length";
+  if (name == "anr_h") return "return / horizon";
+  if (name == "anr_nt") return "return / horizon, not terminated";
+  std::string title = name;
+  std::ranges::replace(title, '_', ' ');
+  return title;
+}
+
+Page::Metric page_metric(const std::string& name, const Metric& metric) {
+  constexpr double kUnknown = Page::kUnknown;
+  const bool share = name.starts_with("anr") || name == "survival" || name == "saturation";
+  std::string title = metric_title(name);
+  if (!metric.unit().empty()) title += cat(" [", metric.unit(), "]");
+  return {name, title, metrics().at(name).summary, share ? 0.0 : kUnknown, share ? 1.0 : kUnknown};
+}
+
+/// The command that measures a cell of a sweep again.
+std::string eval_command(const Study& study, const Sweep& sweep, double level) {
+  std::string text = cat("gust eval POLICY --plant ", study.setup.plant.kind, " --preset ", study.setup.preset);
+  if (sweep.injection) {
+    text += cat(" --site ", site_name(sweep.injection->site), " --waveform ", sweep.injection->waveform.kind,
+                " --level ", level);
+  } else {
+    text += cat(" --param ", sweep.axes.front().parameter, "=", level);
+  }
+  return text + cat(" --start random --episodes ", study.episodes, " --seed ", study.seed);
+}
+
+Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
+  const PlantSpec& spec = study.setup.plant->spec();
+  Page::Sweep page;
+  page.name = sweep.name;
+  page.levels = sweep.axes.front().values;
+  if (sweep.injection) {
+    page.site = site_name(sweep.injection->site);
+    page.waveform = sweep.injection->waveform.kind;
+    page.unit = sweep.injection->site == Site::kObservation ? "state units"
+                                                            : channels_of(sweep.injection->site, spec).front().unit;
+  } else {
+    const Parameter& parameter = spec.parameters[sweep.axes.front().index];
+    page.waveform = parameter.name;
+    page.unit = parameter.unit;
+    page.nominal = parameter.nominal;
+  }
+  page.command = eval_command(study, sweep, page.levels[page.levels.size() / 2]);
+  return page;
+}
+
+/// Writes a study into a page, part by part. Sweeps over two parameters become grids; the others keep their order, and
+/// `sweep_at` says where each one stands.
+class PageWriter {
+ public:
+  PageWriter(const Study& study, const Plan& plan, const Store& store, const Summary& summary)
+      : study_(study), plan_(plan), store_(store), summary_(summary), sweep_at_(study.sweeps.size(), Page::kNone) {}
+
+  Page write(const PageContext& context) {
+    head(context);
+    lists();
+    for (const Series& series : summary_.series) {
+      if (series.sweep == Trial::kNominal) continue;
+      study_.sweeps[series.sweep].axes.size() == 2 ? grid(series) : curves(series);
+    }
+    worst_cells();
+    claims();
+    learning();
+    for (Page::Episode& episode : kept_episodes(study_, plan_, store_, sweep_at_))
+      page_.episodes.push_back(std::move(episode));
+    link_worst_cells();
+    return std::move(page_);
+  }
+
+ private:
+  void head(const PageContext& context) {
+    page_.name = study_.name;
+    page_.question = study_.question;
+    page_.plant = cat(study_.setup.plant.kind, ", ", study_.setup.preset);
+    page_.warnings = context.warnings;
+    for (const std::string& missing : summary_.missing) page_.warnings.push_back(cat("Not measured: ", missing));
+    std::size_t not_finite = 0;
+    for (const Series& series : summary_.series) not_finite += series.not_finite;
+    if (not_finite > 0)
+      page_.warnings.push_back(cat(not_finite, " episodes gave numbers that are none; they count as failed."));
+    page_.provenance = context.provenance;
+    page_.study_text = study_.text;
+    page_.run_command = cat("gust run ", context.study_file);
+    page_.export_command = cat("gust export ", context.folder, " --csv ", study_.name, ".csv");
+    page_.interval = "95 % bootstrap over training seeds; over episodes for a policy without seeds";
+  }
+
+  void lists() {
+    for (const StudyPolicy& policy : study_.policies)
+      page_.policies.push_back({policy.name, kind_text(policy), policy.count()});
+    metrics_ = study_.metrics;
+    for (const char* extra : {"survival", "saturation"}) {
+      const std::size_t index = study_.metric_set.index(extra, {});
+      if (std::ranges::find(metrics_, index) == metrics_.end()) metrics_.push_back(index);
+    }
+    for (std::size_t i = 0; i < metrics_.size(); ++i) {
+      const std::string& name = study_.metric_set.name(metrics_[i]);
+      page_.metrics.push_back(page_metric(name, study_.metric_set[metrics_[i]]));
+      if (name == "survival") page_.survival_metric = i;
+      if (name == "saturation") page_.saturation_metric = i;
+      if (metrics_[i] == summary_.margin_metric) page_.margin_metric = i;
+    }
+    for (const StartProtocol& start : study_.starts) {
+      page_.starts.push_back(
+          {start.name, start.random ? cat(study_.episodes, " seeded starts") : cat(start.name, " start")});
+    }
+    for (std::size_t s = 0; s < study_.sweeps.size(); ++s) {
+      if (study_.sweeps[s].axes.size() == 2 || study_.sweeps[s].axes.front().values.empty()) continue;
+      sweep_at_[s] = page_.sweeps.size();
+      page_.sweeps.push_back(page_sweep(study_, study_.sweeps[s]));
+    }
+  }
+
+  void curves(const Series& series) {
+    const std::size_t sweep = sweep_at_[series.sweep];
+    for (std::size_t m = 0; m < metrics_.size(); ++m) {
+      Page::Curve curve{sweep, series.policy, series.start, m, {}};
+      bool banded = false;
+      for (std::size_t cell = 0; cell < series.cells; ++cell) {
+        const Estimate& estimate = series.at(metrics_[m], cell);
+        curve.band.value.push_back(estimate.value);
+        curve.band.low.push_back(estimate.low);
+        curve.band.high.push_back(estimate.high);
+        banded = banded || std::isfinite(estimate.low);
+      }
+      if (!banded) curve.band.low = curve.band.high = {};
+      page_.curves.push_back(std::move(curve));
+    }
+    if (!series.has_margin) return;
+    const Margin& margin = series.margin;
+    page_.margins.push_back({sweep,
+                             series.policy,
+                             series.start,
+                             {margin.level.estimate, margin.level.low, margin.level.high},
+                             margin.censored,
+                             series.at(summary_.margin_metric, 0).value});
+  }
+
+  void grid(const Series& series) {
+    const Sweep& sweep = study_.sweeps[series.sweep];
+    auto at = std::ranges::find(page_.grids, sweep.name, &Page::Grid::name);
+    if (at == page_.grids.end()) {
+      const auto axis = [&](const Sweep::Axis& from) {
+        return Page::Grid::Axis{from.parameter, study_.setup.plant->spec().parameters[from.index].unit, from.values};
+      };
+      page_.grids.push_back({sweep.name,
+                             axis(sweep.axes[1]),
+                             axis(sweep.axes[0]),
+                             {},
+                             eval_command(study_, sweep, sweep.axes[0].values[0])});
+      at = page_.grids.end() - 1;
+    }
+    for (std::size_t m = 0; m < metrics_.size(); ++m) {
+      Page::Grid::Layer layer{series.policy, series.start, m, {}};
+      for (std::size_t cell = 0; cell < series.cells; ++cell)
+        layer.values.push_back(series.at(metrics_[m], cell).value);
+      at->layers.push_back(std::move(layer));
+    }
+  }
+
+  /// The lowest score of each policy along each sweep, lowest first.
+  void worst_cells() {
+    for (const Series& series : summary_.series) {
+      if (series.sweep == Trial::kNominal || sweep_at_[series.sweep] == Page::kNone) continue;
+      std::size_t worst = 0;
+      for (std::size_t cell = 1; cell < series.cells; ++cell) {
+        if (series.at(summary_.margin_metric, cell).value < series.at(summary_.margin_metric, worst).value)
+          worst = cell;
+      }
+      const Estimate& score = series.at(summary_.margin_metric, worst);
+      const Series* nominal = summary_.find(series.policy, Trial::kNominal, series.start);
+      page_.worst.push_back({sweep_at_[series.sweep],
+                             series.policy,
+                             series.start,
+                             study_.sweeps[series.sweep].axes.front().values[worst],
+                             {score.value, score.low, score.high},
+                             nominal ? nominal->at(summary_.margin_metric, 0).value : Page::kUnknown,
+                             Page::kNone});
+    }
+    std::ranges::stable_sort(page_.worst, {}, [](const Page::WorstCell& cell) { return cell.score.value; });
+    if (page_.worst.size() > kMostWorst) page_.worst.resize(kMostWorst);
+  }
+
+  void link_worst_cells() {
+    for (Page::WorstCell& cell : page_.worst) {
+      for (std::size_t e = 0; e < page_.episodes.size(); ++e) {
+        const Page::Episode& episode = page_.episodes[e];
+        if (episode.sweep == cell.sweep && episode.policy == cell.policy && episode.level == cell.level)
+          cell.episode = e;
+      }
+    }
+  }
+
+  void claims() {
+    for (const ClaimVerdict& verdict : summary_.claims) {
+      const Ruling ruling = verdict.verdict.ruling;
+      const Page::Verdict shown = ruling == Ruling::holds   ? Page::Verdict::kHolds
+                                  : ruling == Ruling::fails ? Page::Verdict::kFails
+                                                            : Page::Verdict::kUndecided;
+      page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds,
+                              interval_text(verdict.measured), shown, verdict.claim->required});
+    }
+  }
+
+  void learning() {
+    for (std::size_t p = 0; p < study_.policies.size(); ++p) {
+      if (study_.policies[p].kind != StudyPolicy::Kind::kTrain) continue;
+      Page::Learning learning;
+      learning.policy = p;
+      for (const Trial& trial : plan_.trials) {
+        if (trial.kind == Trial::Kind::kTrain && trial.policy == p) add_run(trial, learning);
+      }
+      if (learning.runs.empty()) continue;
+      add_mean(learning);
+      page_.learning.push_back(std::move(learning));
+    }
+  }
+
+  void add_run(const Trial& trial, Page::Learning& learning) {
+    const std::optional<StoredTrial> stored = store_.load(kind_name(trial.kind), trial.id);
+    if (!stored) return;
+    Page::Learning::Run run;
+    run.seed = cat(study_.policies[trial.policy].seeds[trial.member]);
+    for (const CurvePoint& point : read_curve(stored->read(kCurveFile), trial.id)) {
+      run.steps.push_back(static_cast<double>(point.steps));
+      run.score.push_back(point.anr_h);
+    }
+    learning.runs.push_back(std::move(run));
+  }
+
+  /// The mean over seeds with its bootstrap interval, where all seeds were evaluated after the same steps.
+  void add_mean(Page::Learning& learning) {
+    for (const Page::Learning::Run& run : learning.runs) {
+      if (run.steps != learning.runs.front().steps) return;
+    }
+    Bootstrap bootstrap(Rng(static_cast<std::uint64_t>(study_.seed)).split("learning"), 2'000);
+    learning.steps = learning.runs.front().steps;
+    for (std::size_t i = 0; i < learning.steps.size(); ++i) {
+      Matrix<double> scores(learning.runs.size(), 1);
+      for (std::size_t r = 0; r < learning.runs.size(); ++r) scores.at(r, 0) = learning.runs[r].score[i];
+      const Interval mean = interval(std::as_const(scores).view(), Statistic::mean, bootstrap);
+      learning.mean.value.push_back(mean.estimate);
+      learning.mean.low.push_back(mean.low);
+      learning.mean.high.push_back(mean.high);
+    }
+  }
+
+  const Study& study_;
+  const Plan& plan_;
+  const Store& store_;
+  const Summary& summary_;
+  std::vector<std::size_t> sweep_at_;
+  std::vector<std::size_t> metrics_;
+  Page page_;
+};
+
+}  // namespace
+
+Page study_page(const Study& study, const Plan& plan, const Store& store, const Summary& summary,
+                const PageContext& context) {
+  return PageWriter(study, plan, store, summary).write(context);
+}
+
+}  // namespace gust

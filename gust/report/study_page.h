@@ -1,0 +1,20 @@
+#pragma once
+
+#include "gust/report/page.h"
+#include "gust/study/summary.h"
+
+namespace gust {
+
+/// What the page says about its making; the command that makes the page knows it.
+struct PageContext {
+  std::string folder;  ///< of the results, for the commands that the page shows
+  std::string study_file;
+  std::vector<std::pair<std::string, std::string>> provenance;
+  std::vector<std::string> warnings;  ///< trials that failed, with reasons
+};
+
+/// The page of a study from its summary and what the store keeps: learning curves and whole episodes.
+Page study_page(const Study& study, const Plan& plan, const Store& store, const Summary& summary,
+                const PageContext& context);
+
+}  // namespace gust

@@ -1,0 +1,188 @@
+#include "gust/study/export.h"
+
+#include <sqlite3.h>
+
+#include <fstream>
+#include <memory>
+
+#include "gust/study/files.h"
+#include "gust/study/rows.h"
+#include "gust/study/trials.h"
+
+namespace gust {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    if (letter == '"') quoted += '"';
+    quoted += letter;
+  }
+  return quoted + "\"";
+}
+
+/// What every row of a trial has in common.
+ExportRow head_of(const Study& study, const Trial& trial) {
+  const StudyPolicy& policy = study.policies[trial.policy];
+  ExportRow row;
+  row.plant = study.setup.plant.kind;
+  row.preset = study.setup.preset;
+  row.readings = canonical_fields(study.setup.readings);
+  row.policy = policy.name;
+  if (policy.kind == StudyPolicy::Kind::kTrain) row.seed = cat(policy.seeds[trial.member]);
+  if (policy.kind == StudyPolicy::Kind::kOnnx) row.seed = policy.files[trial.member].path;
+  if (trial.sweep == Trial::kNominal) {
+    row.site = row.waveform = "none";
+    row.level = "0";
+    return row;
+  }
+  const Sweep& sweep = study.sweeps[trial.sweep];
+  row.site = sweep.injection ? std::string(site_name(sweep.injection->site)) : "parameters";
+  row.waveform = sweep.injection ? sweep.injection->waveform.canonical : "none";
+  for (const Sweep::Axis& axis : sweep.axes) row.vary += cat(row.vary.empty() ? "" : "*", axis.parameter);
+  return row;
+}
+
+std::string level_text(const Study& study, const Trial& trial, std::size_t cell) {
+  if (trial.sweep == Trial::kNominal) return "0";
+  const std::vector<Sweep::Axis>& axes = study.sweeps[trial.sweep].axes;
+  const std::size_t inner = axes.back().values.size();
+  if (axes.size() == 1) return cat(axes[0].values[cell]);
+  return cat(axes[0].values[cell / inner], "*", axes[1].values[cell % inner]);
+}
+
+void export_trial(const Study& study, const Trial& trial, const Store& store,
+                  const std::function<void(const ExportRow&)>& take) {
+  const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+  if (!stored) throw Error(cat("'", trial.what, "' is not in the store; run the study first (gust run)"));
+  std::ifstream stream = stored->open(kRowsFile);
+  RowsReader rows(stream, trial.id);
+  const RowsHeader& header = rows.header();
+  ExportRow row = head_of(study, trial);
+  for (std::size_t cell = 0; cell < header.cells; ++cell) {
+    const std::span<const double> values = rows.next();
+    row.level = level_text(study, trial, cell);
+    std::size_t i = 0;
+    for (const std::string& start : header.starts) {
+      row.start = start;
+      for (row.episode = 0; row.episode < static_cast<std::int64_t>(header.episodes); ++row.episode) {
+        for (const std::string& metric : header.metrics) {
+          row.metric = metric;
+          row.value = values[i++];
+          take(row);
+        }
+      }
+    }
+  }
+}
+
+/// A small owner of an SQLite connection; every failure is an Error that names the file.
+class Database {
+ public:
+  explicit Database(const fs::path& file) : name_(file.string()) { check(sqlite3_open(name_.c_str(), &handle_)); }
+  ~Database() {
+    sqlite3_finalize(statement_);
+    sqlite3_close(handle_);
+  }
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  void execute(const char* sql) { check(sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr)); }
+  void prepare(const char* sql) {
+    sqlite3_finalize(statement_);
+    statement_ = nullptr;
+    check(sqlite3_prepare_v2(handle_, sql, -1, &statement_, nullptr));
+  }
+  void bind(int column, const std::string& text) {
+    check(sqlite3_bind_text(statement_, column, text.c_str(), static_cast<int>(text.size()), SQLITE_TRANSIENT));
+  }
+  void bind(int column, std::int64_t number) { check(sqlite3_bind_int64(statement_, column, number)); }
+  void bind(int column, double number) { check(sqlite3_bind_double(statement_, column, number)); }
+  void insert() {
+    if (sqlite3_step(statement_) != SQLITE_DONE) check(sqlite3_errcode(handle_));
+    check(sqlite3_reset(statement_));
+  }
+
+ private:
+  void check(int code) {
+    if (code != SQLITE_OK) throw Error(cat(name_, ": ", handle_ ? sqlite3_errmsg(handle_) : "cannot be opened"));
+  }
+
+  std::string name_;
+  sqlite3* handle_ = nullptr;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+void insert_learning(Database& database, const Study& study, const Plan& plan, const Store& store) {
+  database.prepare("INSERT INTO learning VALUES (?,?,?,?,?,?,?,?,?)");
+  for (const Trial& trial : plan.trials) {
+    if (trial.kind != Trial::Kind::kTrain) continue;
+    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    if (!stored) continue;
+    for (const CurvePoint& point : read_curve(stored->read(kCurveFile), trial.id)) {
+      database.bind(1, study.policies[trial.policy].name);
+      database.bind(2, study.policies[trial.policy].seeds[trial.member]);
+      database.bind(3, point.steps);
+      const double values[] = {point.return_mean, point.return_std, point.length_mean,
+                               point.anr,         point.anr_h,      point.rmse_scg};
+      for (int i = 0; i < 6; ++i) database.bind(4 + i, values[i]);
+      database.insert();
+    }
+  }
+}
+
+}  // namespace
+
+void for_each_export_row(const Study& study, const Plan& plan, const Store& store,
+                         const std::function<void(const ExportRow&)>& take) {
+  for (const Trial& trial : plan.trials) {
+    if (trial.kind == Trial::Kind::kEvaluate) export_trial(study, trial, store, take);
+  }
+}
+
+void export_csv(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
+  const fs::path aside = file.string() + ".part";
+  fs::remove(aside);
+  OutputFile out(aside);
+  out.append(cat(kExportHead, "\n"));
+  for_each_export_row(study, plan, store, [&](const ExportRow& row) {
+    out.append(cat(row.plant, ",", row.preset, ",", csv_cell(row.readings), ",", csv_cell(row.policy), ",",
+                   csv_cell(row.seed), ",", row.site, ",", csv_cell(row.waveform), ",", row.vary, ",", row.level, ",",
+                   csv_cell(row.start), ",", row.episode, ",", row.metric, ",", row.value, "\n"));
+  });
+  out.close();
+  fs::rename(aside, file);
+}
+
+void export_sqlite(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
+  const fs::path aside = file.string() + ".part";
+  fs::remove(aside);
+  {
+    Database database(aside);
+    database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
+    database.execute(
+        "CREATE TABLE episodes (plant TEXT, preset TEXT, readings TEXT, policy TEXT, seed TEXT, site TEXT, "
+        "waveform TEXT, vary TEXT, level TEXT, start TEXT, episode INTEGER, metric TEXT, value REAL)");
+    database.execute(
+        "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, return_mean REAL, return_std REAL, "
+        "length_mean REAL, anr REAL, anr_h REAL, rmse_scg REAL)");
+    database.prepare("INSERT INTO episodes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    for_each_export_row(study, plan, store, [&](const ExportRow& row) {
+      const std::string* texts[] = {&row.plant, &row.preset,   &row.readings, &row.policy, &row.seed,
+                                    &row.site,  &row.waveform, &row.vary,     &row.level,  &row.start};
+      for (int i = 0; i < 10; ++i) database.bind(i + 1, *texts[i]);
+      database.bind(11, row.episode);
+      database.bind(12, row.metric);
+      database.bind(13, row.value);
+      database.insert();
+    });
+    insert_learning(database, study, plan, store);
+    database.execute("COMMIT");
+  }
+  fs::rename(aside, file);
+}
+
+}  // namespace gust

@@ -1,0 +1,92 @@
+#include "gust/study/folder.h"
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "gust/core/hash.h"
+#include "gust/study/files.h"
+
+namespace gust {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* kStudyFile = "study.toml";
+constexpr const char* kInputsFile = "inputs.json";
+
+Json read_inputs(const fs::path& folder) {
+  const fs::path path = folder / kInputsFile;
+  try {
+    return Json::parse(read_file(path));
+  } catch (const Json::exception&) {
+    throw Error(cat(path.string(), ": damaged; run the study again"));
+  }
+}
+
+}  // namespace
+
+fs::path StudyFolder::store() const {
+  const char* cache = std::getenv("GUST_CACHE");
+  return cache != nullptr && *cache != '\0' ? fs::path(cache) : path_ / "store";
+}
+
+Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& settings) {
+  const fs::path base = file.parent_path();
+  const FindFiles find = [&](const std::string& pattern, const Place& place) {
+    std::vector<StudyPolicy::File> files;
+    for (const fs::path& path : glob_files(base, pattern)) {
+      try {
+        files.push_back({path.lexically_relative(base.empty() ? "." : base).string(), read_file(path)});
+      } catch (const Error& error) {
+        throw error_at(place, error.what());
+      }
+    }
+    return files;
+  };
+  return parse_study(read_file(file), file.string(), settings, find);
+}
+
+void StudyFolder::keep(const Study& study, const std::vector<std::string>& settings) const {
+  const fs::path text = path_ / kStudyFile;
+  if (fs::exists(path_) && !fs::is_directory(path_))
+    throw Error(cat(path_.string(), ": is not a folder; choose another --out"));
+  const bool ours = !fs::exists(path_) || fs::is_empty(path_) || fs::exists(text) || fs::exists(path_ / "store");
+  if (!ours) throw Error(cat(path_.string(), ": is not empty and no result of gust; choose another --out"));
+  Json patterns = Json::array();  // one entry a policy with files, in the order of the study
+  for (const StudyPolicy& policy : study.policies) {
+    if (policy.kind != StudyPolicy::Kind::kOnnx) continue;
+    Json found = Json::array();
+    for (const StudyPolicy::File& file : policy.files) {
+      const std::string hash = hash_hex(file.bytes);
+      write_file_atomically(path_ / "inputs" / hash, file.bytes);
+      found.push_back({{"path", file.path}, {"hash", hash}});
+    }
+    patterns.push_back(found);
+  }
+  write_file_atomically(path_ / kInputsFile, Json{{"settings", settings}, {"files", patterns}}.dump(2) + "\n");
+  write_file_atomically(text, study.text);
+}
+
+Study StudyFolder::open() const {
+  const fs::path text = path_ / kStudyFile;
+  if (!fs::exists(text)) throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' left"));
+  const Json inputs = read_inputs(path_);
+  // The policies ask for their files in the order in which they were kept.
+  auto policy = inputs["files"].begin();
+  const FindFiles find = [&](const std::string&, const Place&) {
+    std::vector<StudyPolicy::File> files;
+    if (policy == inputs["files"].end()) return files;
+    for (const Json& file : *policy) {
+      const std::string hash = file["hash"];
+      files.push_back({file["path"], read_file(path_ / "inputs" / hash)});
+    }
+    ++policy;
+    return files;
+  };
+  return parse_study(read_file(text), text.string(), inputs["settings"].get<std::vector<std::string>>(), find);
+}
+
+std::vector<std::string> StudyFolder::settings() const { return read_inputs(path_)["settings"]; }
+
+}  // namespace gust
