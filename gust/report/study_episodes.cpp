@@ -81,9 +81,7 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   add_pushes(episode, Site::kObservation, spec.state, difference_of(trace.observation, trace.state));
   // What the action site added is not recorded by itself where the command was clipped first; the signals are.
   if (!task.injections.empty()) {
-    const Signals signals(
-        task.injections, spec,
-        task.evaluation.root.split("evaluation").split(static_cast<std::uint64_t>(trace.index.episode)));
+    const Signals signals(task.injections, spec, episode_stream(task.evaluation, trace.index.episode));
     Matrix<double> added(spec.action.size(), trace.applied.lanes());
     for (std::size_t i = 0; i < task.injections.size(); ++i) {
       if (task.injections[i].site != Site::kAction) continue;

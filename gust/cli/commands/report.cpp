@@ -1,0 +1,22 @@
+#include <fmt/format.h>
+
+#include "gust/cli/command.h"
+#include "gust/cli/study_command.h"
+
+namespace gust {
+
+void command_report(CLI::App& app, int& exit_code) {
+  auto folder = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("report", "Writes the page of a study from its store");
+  command->add_option("DIR", *folder, "the folder that gust run left")->required();
+  command->footer("Example:\n  gust report demo.gust");
+  command->callback([folder, &exit_code] {
+    const OpenStudy open = open_study(*folder);
+    const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
+    const std::string file = cat(open.study.name, ".toml");
+    fmt::print("{}\n", write_report(open.folder, file, open.study, open.plan, *open.store, summary, {}));
+    if (!summary.missing.empty()) exit_code = kTrialFailed;
+  });
+}
+
+}  // namespace gust

@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+
+#include "gust/cli/command.h"
+#include "gust/cli/progress.h"
+#include "gust/cli/signals.h"
+#include "gust/cli/study_command.h"
+
+namespace gust {
+namespace {
+
+struct Options {
+  std::string study, out;
+  std::size_t threads = 0;
+  std::vector<std::string> settings;
+  bool require = false;
+  bool json = false;
+};
+
+/// One line for each trial that did not end well.
+std::vector<std::string> complaints(const RunOutcome& outcome) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {
+    const Outcome& result = outcome.outcomes[i];
+    const std::string& what = outcome.plan.trials[i].what;
+    if (result.state == Outcome::State::failed) lines.push_back(cat(what, " failed: ", result.reason));
+    if (result.state == Outcome::State::skipped) lines.push_back(cat(what, " was skipped: ", result.reason));
+  }
+  return lines;
+}
+
+bool required_claims_hold(const Study& study, const Summary& summary) {
+  std::size_t held = 0;
+  std::size_t required = 0;
+  for (const StudyClaim& claim : study.claims) required += claim.required ? 1 : 0;
+  for (const ClaimVerdict& verdict : summary.claims) {
+    held += verdict.claim->required && verdict.verdict.ruling == Ruling::holds ? 1 : 0;
+  }
+  return held == required;
+}
+
+int run(const Options& options) {
+  Study study = StudyFolder::read(options.study, options.settings);
+  const StudyFolder folder(options.out.empty() ? study.name + ".gust" : options.out);
+  const std::size_t threads = thread_count(options.threads);
+  folder.keep(study, options.settings);
+  const Store store(folder.store(), Store::Access::write, tell);
+
+  SignalWatch signals;
+  RunOptions how{threads, signals.token(), {}};
+  how.watch = [](Progress& progress, const std::function<void()>& work) { show_progress(progress, work); };
+  const RunOutcome outcome = run_study(study, store, how);
+  const std::vector<std::string> warnings = complaints(outcome);
+  for (const std::string& line : warnings) tell(line);
+  if (outcome.stopped) {
+    tell("stopped; the same command goes on from here");
+    return signals.exit_code();
+  }
+  const Summary summary = summarise(study, outcome.plan, store, threads);
+  const std::string report = write_report(folder, options.study, study, outcome.plan, store, summary, warnings);
+  fmt::print("{}", options.json ? summary_json(study, summary) + "\n" : summary_text(study, summary));
+  if (!options.json) fmt::print("Page: {}\n", report);
+  if (outcome.failed() > 0) return kTrialFailed;
+  return options.require && !required_claims_hold(study, summary) ? kCheckFailed : kDone;
+}
+
+}  // namespace
+
+void command_run(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("run", "Runs a study, or goes on with it, and writes its page");
+  command->add_option("STUDY", options->study, "the study, a TOML file")->required();
+  command->add_option("--out", options->out, "result folder (default: ./NAME.gust)")->type_name("DIR");
+  command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--set", options->settings, "replace a value of the study: key=value")->type_name("KEY=VALUE");
+  command->add_flag("--require", options->require, "exit with 3 if a required claim does not hold");
+  command->add_flag("--json", options->json, "margins and verdicts as one JSON object");
+  command->footer("Example:\n  gust run studies/demo.toml --threads 2 --set evaluate.episodes=10");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace gust

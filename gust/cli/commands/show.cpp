@@ -1,0 +1,27 @@
+#include <fmt/format.h>
+
+#include "gust/cli/command.h"
+#include "gust/cli/study_command.h"
+
+namespace gust {
+
+void command_show(CLI::App& app, int& exit_code) {
+  struct Options {
+    std::string folder;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("show", "Prints the margins and verdicts of a finished study");
+  command->add_option("DIR", options->folder, "the folder that gust run left")->required();
+  command->add_flag("--json", options->json, "as one JSON object");
+  command->footer("Example:\n  gust show demo.gust");
+  command->callback([options, &exit_code] {
+    const OpenStudy open = open_study(options->folder);
+    const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
+    fmt::print("{}\n", options->json ? summary_json(open.study, summary) : summary_text(open.study, summary));
+    for (const std::string& missing : summary.missing) tell(cat("not in the store: ", missing));
+    if (!summary.missing.empty()) exit_code = kTrialFailed;
+  });
+}
+
+}  // namespace gust

@@ -1,0 +1,127 @@
+#include "gust/cli/study_command.h"
+
+#include <sys/utsname.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "gust/core/version.h"
+#include "gust/study/files.h"
+
+namespace gust {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string machine() {
+  utsname system{};
+  if (uname(&system) != 0) return "unknown";
+  return cat(system.sysname, " ", system.machine, ", ", std::thread::hardware_concurrency(), " cores");
+}
+
+std::string now_text() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  char text[64];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
+  return text;
+}
+
+Json margin_json(const Study& study, const Series& series) {
+  const Sweep& sweep = study.sweeps[series.sweep];
+  return {{"policy", study.policies[series.policy].name},
+          {"sweep", sweep.name},
+          {"site", site_name(sweep.injection->site)},
+          {"waveform", sweep.injection->waveform.kind},
+          {"start", study.starts[series.start].name},
+          {"margin", number(series.margin.level.estimate)},
+          {"low", number(series.margin.level.low)},
+          {"high", number(series.margin.level.high)},
+          {"censored", series.margin.censored},
+          {"unit", unit_name(series.margin.level.unit)},
+          {"n", series.margin.level.n}};
+}
+
+}  // namespace
+
+void tell(const std::string& text) { fmt::print(stderr, "gust: {}\n", text); }
+
+OpenStudy open_study(const std::string& path) {
+  StudyFolder folder{std::filesystem::path(path)};
+  Study study = folder.open();
+  auto store = std::make_unique<Store>(folder.store(), Store::Access::read, tell);
+  Plan plan = plan_with_store(study, *store);
+  return {std::move(folder), std::move(study), std::move(plan), std::move(store)};
+}
+
+std::size_t thread_count(std::size_t asked) {
+  if (asked > 0) return asked;
+  if (const char* variable = std::getenv("GUST_THREADS"); variable != nullptr && *variable != '\0') {
+    const Value value = value_from_text(variable, {"GUST_THREADS"});
+    const std::int64_t threads = value.as_int("GUST_THREADS");
+    if (threads < 1 || threads > 1024) throw error_at(value.place, "must be 1 to 1024, got ", threads);
+    return static_cast<std::size_t>(threads);
+  }
+  return std::max(1u, std::thread::hardware_concurrency());
+}
+
+std::string write_report(const StudyFolder& folder, const std::string& study_file, const Study& study, const Plan& plan,
+                         const Store& store, const Summary& summary, const std::vector<std::string>& warnings) {
+  PageContext context;
+  context.folder = folder.path().string();
+  context.study_file = study_file;
+  context.warnings = warnings;
+  context.provenance = {{"gust", std::string(kVersion)},
+                        {"plant", study.setup.plant.canonical},
+                        {"readings", canonical_fields(study.setup.readings)},
+                        {"root seed", cat(study.seed)},
+                        {"machine", machine()},
+                        {"made", now_text()}};
+  write_file_atomically(folder.report(), render_page(study_page(study, plan, store, summary, context)));
+  return folder.report().string();
+}
+
+std::string summary_text(const Study& study, const Summary& summary) {
+  std::string text;
+  const std::string metric = study.metric_set.name(summary.margin_metric);
+  for (std::size_t start = 0; start < study.starts.size(); ++start) {
+    const std::string table = margins_table(study, summary, start);
+    if (table.empty()) continue;
+    text += cat("Robustness margins, ", study.starts[start].name, " start: level at which ", metric,
+                " falls below 90 % of its own nominal value\n\n", table, "\n");
+  }
+  if (!summary.claims.empty()) text += cat("Claims\n\n", claims_table(summary), "\n");
+  return text;
+}
+
+std::string summary_json(const Study& study, const Summary& summary) {
+  Json margins = Json::array();
+  for (const Series& series : summary.series) {
+    if (series.has_margin) margins.push_back(margin_json(study, series));
+  }
+  Json claims = Json::array();
+  for (const ClaimVerdict& verdict : summary.claims) {
+    claims.push_back({{"id", verdict.claim->id},
+                      {"text", verdict.claim->text},
+                      {"holds", verdict.claim->holds},
+                      {"verdict", ruling_name(verdict.verdict.ruling)},
+                      {"reason", verdict.verdict.reason},
+                      {"estimate", number(verdict.measured.estimate)},
+                      {"low", number(verdict.measured.low)},
+                      {"high", number(verdict.measured.high)},
+                      {"unit", unit_name(verdict.measured.unit)},
+                      {"n", verdict.measured.n}});
+  }
+  return Json{{"study", study.name},
+              {"metric", study.metric_set.name(summary.margin_metric)},
+              {"margins", margins},
+              {"claims", claims},
+              {"missing", summary.missing}}
+      .dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace gust

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "gust/report/study_page.h"
+#include "gust/study/folder.h"
+#include "gust/study/summary.h"
+
+namespace gust {
+
+/// A finished (or partly finished) study as the reading commands open it.
+struct OpenStudy {
+  StudyFolder folder;
+  Study study;
+  Plan plan;
+  std::unique_ptr<Store> store;
+};
+
+/// Opens the folder that `gust run` left; notices about damaged trials go to stderr.
+OpenStudy open_study(const std::string& path);
+
+/// Tells one line on stderr.
+void tell(const std::string& text);
+
+/// Writes DIR/report.html and returns its path.
+std::string write_report(const StudyFolder& folder, const std::string& study_file, const Study& study, const Plan& plan,
+                         const Store& store, const Summary& summary, const std::vector<std::string>& warnings);
+
+/// Threads to use: --threads, else GUST_THREADS, else all cores.
+std::size_t thread_count(std::size_t asked);
+
+/// What a study printed on the terminal: margins for each start, then verdicts.
+std::string summary_text(const Study& study, const Summary& summary);
+/// The same as one JSON object.
+std::string summary_json(const Study& study, const Summary& summary);
+
+}  // namespace gust
