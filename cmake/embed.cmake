@@ -75,6 +75,14 @@ function(gust_embed_assets target)
   gust_embed(${target} HEADER gust/report/assets.h FUNCTION asset FILES ${files})
 endfunction()
 
+# gust_embed_presets(TARGET): studies/presets/NAME.toml as gust::preset_file("NAME").
+function(gust_embed_presets target)
+  set(folder ${PROJECT_SOURCE_DIR}/studies/presets)
+  file(GLOB names CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*.toml)
+  list(TRANSFORM names REPLACE "(.+)\\.toml" "\\1=${folder}/\\1.toml" OUTPUT_VARIABLE files)
+  gust_embed(${target} HEADER gust/study/preset_files.h FUNCTION preset_file FILES ${files})
+endfunction()
+
 # Runs npm when the lock file is newer than what is installed.
 function(gust_install_node_modules folder)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folder}/package-lock.json)

@@ -1,0 +1,86 @@
+#include "gust/study/presets.h"
+
+#include <algorithm>
+
+#include "gust/core/text.h"
+#include "gust/study/preset_files.h"
+#include "gust/study/toml.h"
+
+namespace gust {
+namespace {
+
+constexpr std::string_view kNames[] = {"scg-2022", "scg-default", "modern"};
+constexpr std::string_view kAgents = "agent";  // the key beside the plants that holds agents for any plant
+
+/// A table inside a table; nullptr if it is not there.
+const Table* inner(const Table* table, std::string_view key) {
+  const Value* value = table ? table->find(key) : nullptr;
+  return value ? &value->as_table(key) : nullptr;
+}
+
+Preset read_preset(std::string_view name) {
+  Preset preset{std::string(name), {}, parse_toml(preset_file(name), cat("preset ", name))};
+  preset.summary = preset.table.find("summary")->as_text("summary");
+  preset.table.erase("summary");
+  return preset;
+}
+
+void replace(Table& options, const Table* by) {
+  if (by == nullptr) return;
+  for (const auto& [key, value] : by->items) options.set(key, value);
+}
+
+}  // namespace
+
+bool Preset::has_plant(std::string_view kind) const { return kind != kAgents && table.contains(kind); }
+
+const std::vector<Preset>& presets() {
+  static const std::vector<Preset> all = [] {
+    std::vector<Preset> list;
+    for (const std::string_view name : kNames) list.push_back(read_preset(name));
+    return list;
+  }();
+  return all;
+}
+
+std::vector<std::string> preset_names(std::string_view plant) {
+  std::vector<std::string> names;
+  for (const Preset& preset : presets()) {
+    if (preset.has_plant(plant)) names.push_back(preset.name);
+  }
+  return names;
+}
+
+const Preset& preset_at(std::string_view name, std::string_view plant, const Place& place) {
+  for (const Preset& preset : presets()) {
+    if (preset.name == name && preset.has_plant(plant)) return preset;
+  }
+  const std::vector<std::string> names = preset_names(plant);
+  throw error_at(place, "unknown preset '", name, "'", did_you_mean(name, names), "; the presets of ", plant, " are ",
+                 join(names, ", "));
+}
+
+Table preset_part(const Preset& preset, std::string_view plant, std::string_view part) {
+  const Table* found = inner(inner(&preset.table, plant), part);
+  return found ? *found : Table{};
+}
+
+Table agent_profile(std::string_view agent, std::string_view plant, std::string_view profile, const Place& place) {
+  std::vector<std::string> names;
+  for (const Preset& preset : presets()) {
+    const Table* general = inner(inner(&preset.table, kAgents), agent);
+    const Table* special = inner(inner(inner(&preset.table, plant), kAgents), agent);
+    if (general == nullptr && special == nullptr) continue;
+    names.push_back(preset.name);
+    if (preset.name != profile) continue;
+    Table options;
+    replace(options, general);
+    replace(options, special);
+    options.place = place;
+    return options;
+  }
+  throw error_at(place, "unknown profile '", profile, "'", did_you_mean(profile, names), "; the profiles of ", agent,
+                 " are ", join(names, ", "));
+}
+
+}  // namespace gust
