@@ -8,7 +8,7 @@
 
 namespace gust {
 
-/// Keeps the state of a training in progress: STORE/checkpoints/<id>.bin, replaced whole or not at all. Committing the
+/// Keeps the state of a training in progress: STORE/checkpoints/<id>, replaced whole or not at all. Committing the
 /// trial removes it.
 void save_checkpoint(const Store& store, std::string_view id, std::string_view bytes);
 
@@ -17,5 +17,8 @@ std::optional<std::string> load_checkpoint(const Store& store, std::string_view 
 
 /// Forgets the checkpoint of a trial, if there is one.
 void remove_checkpoint(const Store& store, std::string_view id);
+
+/// Forgets the checkpoints of trials that are finished, which a second process may have left.
+void remove_idle_checkpoints(const Store& store);
 
 }  // namespace gust

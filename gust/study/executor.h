@@ -76,7 +76,8 @@ struct Job {
 
 /// Runs the jobs on this many threads and returns their outcomes in the order of the jobs. Of the jobs whose inputs are
 /// done the first starts first. A job that fails takes nothing with it but those that need it. After a stop no job
-/// begins. `finished`, if given, is told each outcome as it comes, one call at a time.
+/// begins; those that had not are `stopped`, and `finished` is not told of them. It hears of the others as they end,
+/// one call at a time.
 std::vector<Outcome> run_jobs(std::span<const Job> jobs, std::size_t threads, std::stop_token stop, Progress& progress,
                               const std::function<void(std::size_t, const Outcome&)>& finished = {});
 

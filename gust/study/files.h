@@ -5,14 +5,37 @@
 #include <string_view>
 #include <vector>
 
+#include "gust/study/files_posix.h"
+
 namespace gust {
 
 /// The content of a file. Throws an Error that names the file and says why it cannot be read; more than a gigabyte is
 /// not a file of ours.
 std::string read_file(const std::filesystem::path& path);
 
-/// Replaces a file by these bytes, whole or not at all: written aside in the same folder, synced, renamed, the folder
-/// synced. Folders above it are made. Throws an Error that names the file and the reason.
+/// A file that is replaced whole or not at all: written aside in the same folder, synced, renamed, the folder synced.
+///
+/// Folders above it are made. A link is followed; what is no regular file, such as /dev/stdout, is written directly.
+/// Failures are Errors that name the file and the reason. What is not committed leaves the old file as it was.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Adds to the end, through a buffer.
+  void append(std::string_view bytes);
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path aside_;  ///< empty when there is nothing to rename
+  Descriptor descriptor_;
+  std::string buffer_;
+};
+
+/// Replaces a file by these bytes; see AtomicFile.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// The paths that a pattern such as "policies/*.onnx" names, relative to a base folder unless it is absolute, sorted by

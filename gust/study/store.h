@@ -27,6 +27,7 @@ struct StoredTrial {
   std::ifstream open(std::string_view file) const;
 };
 
+class StoreSession;
 class TrialWriter;
 
 /// The trials that are finished: folders STORE/<kind>/<id>, each with its files and a manifest.
@@ -37,7 +38,7 @@ class TrialWriter;
 class Store {
  public:
   enum class Access { read, write };
-  /// Told what the user should know ("trial x was damaged: ..."), one sentence at a time, from any thread.
+  /// Told what the user should know ("trial x is damaged: ..."), one sentence at a time, from any thread.
   using Notice = std::function<void(const std::string&)>;
 
   /// Opens a store. For writing it is made if need be, and what dead processes left aside is removed. A store of
@@ -57,34 +58,37 @@ class Store {
   /// reported, moved to STORE/damaged (if open for writing), and then counts as missing.
   std::optional<StoredTrial> load(std::string_view kind, std::string_view id) const;
 
-  /// Begins to write a trial.
+  /// Begins to write a trial. The store must outlive the writer.
   TrialWriter begin(std::string_view kind, std::string_view id) const;
 
   /// Every finished trial as (kind, id), sorted.
   std::vector<std::pair<std::string, std::string>> trials() const;
 
   const std::filesystem::path& folder() const { return folder_; }
-  /// A path of this process's own, for something that is to be renamed into place.
+  std::filesystem::path folder_of(std::string_view kind, std::string_view id) const;
+
+  /// A path of this process's own on the store's disk, for something that is to be renamed into place.
   std::filesystem::path aside() const;
 
- private:
-  friend class TrialWriter;
+  /// Looks at a trial again while no other process may move it: returns it if it is whole, moves it away if not.
+  std::optional<StoredTrial> repair(std::string_view kind, std::string_view id) const;
 
+ private:
   void initialise() const;
   void check_format() const;
-  void set_aside(std::string_view kind, std::string_view id, const std::string& why) const;
+  void tell(const std::string& sentence) const;
 
   std::filesystem::path folder_;
-  Access access_;
   Notice notice_;
-  std::unique_ptr<class StoreSession> session_;  ///< null when open for reading
+  std::unique_ptr<StoreSession> session_;  ///< none when open for reading
 };
 
 /// A trial on its way into the store. What is not committed vanishes with the writer.
 class TrialWriter {
  public:
-  TrialWriter(const Store& store, std::string kind, std::string id);
-  TrialWriter(TrialWriter&&) noexcept;
+  TrialWriter(const Store& store, std::string_view kind, std::string_view id);
+  TrialWriter(TrialWriter&&) noexcept = default;
+  TrialWriter& operator=(TrialWriter&&) = delete;
   ~TrialWriter();
 
   /// A new, empty file of the trial; it stays open until the trial is committed.
@@ -95,17 +99,15 @@ class TrialWriter {
   /// Syncs everything, writes the manifest, renames the trial into place and removes its checkpoint. If another
   /// process was faster, its copy stays and ours goes.
   void commit(std::string_view text);
-  /// The same for a trial that another program made; its manifest must agree with what was written here.
+  /// The same with the manifest that the trial had in another store; an Error if it disagrees with what was written.
   void commit_as(const Manifest& manifest);
 
  private:
-  void finish(Manifest manifest);
-
   const Store* store_;
   std::string kind_;
   std::string id_;
-  std::filesystem::path folder_;  ///< aside; empty once committed
   std::vector<std::unique_ptr<OutputFile>> files_;
+  std::filesystem::path folder_;  ///< aside
 };
 
 }  // namespace gust

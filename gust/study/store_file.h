@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "gust/study/files_posix.h"
 #include "gust/study/store_manifest.h"
 
 namespace gust {
@@ -15,6 +16,7 @@ class StreamHash {
   StreamHash();
   ~StreamHash();
   StreamHash(StreamHash&&) noexcept;
+  StreamHash& operator=(StreamHash&&) noexcept;
 
   void add(std::string_view bytes);
   /// 32 hexadecimal digits.
@@ -25,12 +27,11 @@ class StreamHash {
   std::unique_ptr<State> state_;
 };
 
-/// A new file that is written from front to back through a buffer. What the disk refuses is an Error with the file's
-/// name and the reason.
+/// A new file of a trial, written from front to back through a buffer. What the disk refuses is an Error with the
+/// file's name and the reason.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path path);
-  ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
@@ -42,13 +43,14 @@ class OutputFile {
   StoredFile description() const;
 
  private:
-  void flush();
-
   std::filesystem::path path_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
   std::string buffer_;
   std::uint64_t size_ = 0;
   StreamHash hash_;
 };
+
+/// Name, size and hash of a file as it lies on the disk.
+StoredFile describe_file(const std::filesystem::path& path);
 
 }  // namespace gust

@@ -10,6 +10,9 @@ namespace gust {
 /// The layout of stores, manifests and packs that this program writes, and the only one it reads.
 inline constexpr int kStoreFormat = 1;
 
+/// What a manifest is called in the folder of its trial.
+inline constexpr std::string_view kManifestName = "manifest.json";
+
 /// One file of a trial.
 struct StoredFile {
   std::string name;
@@ -37,8 +40,11 @@ std::string manifest_bytes(const Manifest& manifest);
 /// with `name`.
 Manifest parse_manifest(std::string_view bytes, std::string_view name);
 
-/// Whether a text may name a kind, a trial or a file of one: letters, digits, '.', '_', '-', '+', '=', at most 200, and
+/// Whether a text may name a trial or a file of one: letters, digits, '.', '_', '-', '+', '=', at most 200, and
 /// no dot in front.
 bool valid_store_name(std::string_view name);
+
+/// Whether a text may name a kind of trials: as above, but for the folders that every store has.
+bool valid_store_kind(std::string_view name);
 
 }  // namespace gust

@@ -1,0 +1,113 @@
+#include "gust/study/files.h"
+
+#include <fcntl.h>
+#include <fnmatch.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+namespace gust {
+namespace {
+
+constexpr std::size_t kPiece = 1 << 16;    // bytes read or written at a time
+constexpr std::size_t kLongest = 1 << 30;  // bytes; a limit against /dev/zero and the like
+
+bool has_wildcard(std::string_view part) { return part.find_first_of("*?[") != std::string_view::npos; }
+
+/// The entries of a folder whose name fits one part of a pattern; none if the folder cannot be listed.
+std::vector<std::filesystem::path> matches(const std::filesystem::path& folder, const std::string& part) {
+  std::vector<std::filesystem::path> found;
+  std::error_code error;
+  std::filesystem::directory_iterator entries(folder.empty() ? "." : folder, error);
+  for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error)) {
+    const std::string name = entries->path().filename().string();
+    if (::fnmatch(part.c_str(), name.c_str(), FNM_PERIOD) == 0) found.push_back(folder / name);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::string read_file(const std::filesystem::path& path) {
+  const Descriptor file = open_file(path, O_RDONLY);
+  std::string bytes;
+  while (true) {
+    const std::size_t size = bytes.size();
+    bytes.resize(size + std::max(kPiece, size));
+    const ssize_t count = ::read(file.get(), bytes.data() + size, bytes.size() - size);
+    bytes.resize(size + (count > 0 ? static_cast<std::size_t>(count) : 0));
+    if (count < 0 && errno != EINTR) throw file_error(path, "cannot read");
+    if (count == 0) return bytes;
+    if (bytes.size() > kLongest) throw Error(cat(path.string(), ": cannot read: longer than a gigabyte"));
+  }
+}
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path_, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    descriptor_ = open_file(path_, O_WRONLY);
+    return;
+  }
+  if (std::filesystem::is_symlink(path_, error)) path_ = std::filesystem::weakly_canonical(path_, error);
+  if (path_.has_parent_path()) make_folders(path_.parent_path());
+  aside_ = path_.parent_path() / cat(".", path_.filename().string(), ".aside");
+  // The name aside is always the same, so that a killed program leaves one file at most, which the next one takes over.
+  descriptor_ = lock_file(aside_, /*wait=*/true, path_);
+  if (::ftruncate(descriptor_.get(), 0) != 0) throw file_error(path_, "cannot write");
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ && !aside_.empty()) ::unlink(aside_.c_str());
+}
+
+void AtomicFile::append(std::string_view bytes) {
+  buffer_.append(bytes);
+  if (buffer_.size() < kPiece) return;
+  write_all(descriptor_, buffer_, path_);
+  buffer_.clear();
+}
+
+void AtomicFile::commit() {
+  write_all(descriptor_, buffer_, path_);
+  buffer_.clear();
+  if (!aside_.empty()) {
+    sync_file(descriptor_, path_);
+    if (::rename(aside_.c_str(), path_.c_str()) != 0) throw file_error(path_, "cannot write");
+    aside_.clear();
+    sync_folder(path_.parent_path());
+  }
+  descriptor_.close();
+}
+
+void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  AtomicFile file(path);
+  file.append(bytes);
+  file.commit();
+}
+
+std::vector<std::filesystem::path> glob_files(const std::filesystem::path& base, std::string_view pattern) {
+  const std::filesystem::path whole = base / std::filesystem::path(pattern);  // an absolute pattern replaces the base
+  if (!has_wildcard(pattern)) return {whole};
+  const std::filesystem::path fixed = std::filesystem::path(pattern).is_absolute() ? std::filesystem::path() : base;
+  std::vector<std::filesystem::path> found = {fixed};
+  for (const std::filesystem::path& part : std::filesystem::path(pattern)) {
+    std::vector<std::filesystem::path> longer;
+    for (const std::filesystem::path& folder : found) {
+      const bool wild = has_wildcard(part.string());
+      if (!wild) longer.push_back(folder / part);
+      if (wild) std::ranges::copy(matches(folder, part.string()), std::back_inserter(longer));
+    }
+    found = std::move(longer);
+  }
+  std::erase_if(found, [](const std::filesystem::path& path) {
+    std::error_code error;
+    return !std::filesystem::is_regular_file(path, error);
+  });
+  std::ranges::sort(found, {}, [](const std::filesystem::path& path) { return path.native(); });
+  return found;
+}
+
+}  // namespace gust

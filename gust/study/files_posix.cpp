@@ -1,0 +1,69 @@
+#include "gust/study/files_posix.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace gust {
+
+void Descriptor::close() {
+  if (number_ >= 0) ::close(number_);
+  number_ = -1;
+}
+
+Error file_error(const std::filesystem::path& path, std::string_view what) {
+  return Error(cat(path.string(), ": ", what, ": ", std::generic_category().message(errno)));
+}
+
+Descriptor open_file(const std::filesystem::path& path, int flags) {
+  Descriptor file(::open(path.c_str(), flags | O_CLOEXEC, 0666));
+  if (!file) throw file_error(path, (flags & O_ACCMODE) == O_RDONLY ? "cannot read" : "cannot write");
+  return file;
+}
+
+void write_all(const Descriptor& file, std::string_view bytes, const std::filesystem::path& path) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw file_error(path, "cannot write");
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void sync_file(const Descriptor& file, const std::filesystem::path& path) {
+  if (::fsync(file.get()) != 0) throw file_error(path, "cannot write");
+}
+
+void sync_folder(const std::filesystem::path& folder) {
+  sync_file(open_file(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY), folder);
+}
+
+void make_folders(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw Error(cat(folder.string(), ": cannot make the folder: ", error.message()));
+}
+
+Descriptor lock_file(const std::filesystem::path& path, bool wait, const std::filesystem::path& named) {
+  while (true) {
+    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+    if (!file) throw file_error(named, "cannot write");
+    while (::flock(file.get(), wait ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
+      if (errno == EINTR) continue;
+      if (errno == EWOULDBLOCK) return Descriptor();
+      throw file_error(named, "cannot lock");
+    }
+    // While we waited the file may have been removed, or renamed away and made anew.
+    struct stat ours {};
+    struct stat there {};
+    const bool same = ::fstat(file.get(), &ours) == 0 && ::stat(path.c_str(), &there) == 0 &&
+                      ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
+    if (same) return file;
+  }
+}
+
+}  // namespace gust
