@@ -1,0 +1,169 @@
+#include "gust/control/validate.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "gust/cli/command.h"
+#include "gust/study/files.h"
+
+namespace gust {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ValidateOptions {
+  std::vector<std::string> files;
+  Tolerances tolerances;
+  bool json = false;
+};
+
+struct Checked {
+  Recording recording;
+  Validation result;
+};
+
+/// NAME.json, and the records in NAME.csv beside it.
+Recording load_recording(const std::string& file) {
+  const fs::path json(file);
+  fs::path csv = json;
+  csv.replace_extension(".csv");
+  if (json.extension() != ".json") {
+    throw Error(cat(file, ": a recording is named by its JSON file; is ",
+                    fs::path(file).replace_extension(".json").string(), " meant? (gust validate --help)"));
+  }
+  const std::string description = read_file(json);
+  const std::string records = read_file(csv);
+  return read_recording({description, file}, {records, csv.string()});
+}
+
+std::string error_text(double error) { return error == 0 ? "0" : fmt::format("{:.1e}", error); }
+
+/// One cell a state.
+std::string state_cells(const std::vector<WorstError>& errors, const PlantSpec& spec) {
+  std::string cells;
+  for (std::size_t i = 0; i < spec.state.size(); ++i) {
+    cells += fmt::format("  {:<9}", errors.empty() ? "-" : error_text(errors[i].error));
+  }
+  return cells;
+}
+
+std::string head_of(const PlantSpec& spec, std::size_t name_width) {
+  std::string names;
+  for (const Component& state : spec.state) names += fmt::format("  {:<9}", state.name);
+  const std::size_t width = 11 * spec.state.size();
+  return fmt::format("{:<{}}  {:<{}}  closed loop\n", "", name_width, "one step", width - 2) +
+         fmt::format("{:<{}}{}{}  {:<8}  {:<8}  {:<8}  flags   verdict\n", "recording", name_width, names, names,
+                     "applied", "reward", "sq_err");
+}
+
+std::string verdict_of(const Checked& checked) {
+  if (!checked.result.passed()) return cat("FAIL: ", checked.result.fault);
+  if (!checked.result.closed_loop.empty()) return "pass";
+  return cat("pass (open loop, '", checked.recording.policy, "': one step only)");
+}
+
+std::string line_of(const Checked& checked, std::size_t name_width) {
+  const Validation& result = checked.result;
+  const PlantSpec& spec = checked.recording.plant->spec();
+  return fmt::format("{:<{}}{}{}  {:<8}  {:<8}  {:<8}  {}  {}\n", checked.recording.name, name_width,
+                     state_cells(result.one_step, spec), state_cells(result.closed_loop, spec),
+                     error_text(result.applied.error), error_text(result.reward.error),
+                     error_text(result.squared_error.error), result.flags_differ == 0 ? "equal " : "differ",
+                     verdict_of(checked));
+}
+
+void print_table(const std::vector<Checked>& all) {
+  std::size_t width = 9;
+  for (const Checked& checked : all) width = std::max(width, checked.recording.name.size());
+  std::string head;
+  for (const Checked& checked : all) {
+    const std::string own = head_of(checked.recording.plant->spec(), width);
+    if (own != head) fmt::print("{}", own);
+    head = own;
+    fmt::print("{}", line_of(checked, width));
+  }
+}
+
+nlohmann::ordered_json states_json(const std::vector<WorstError>& errors, const PlantSpec& spec) {
+  if (errors.empty()) return nullptr;
+  nlohmann::ordered_json object;
+  for (std::size_t i = 0; i < errors.size(); ++i) object[spec.state[i].name] = errors[i].error;
+  return object;
+}
+
+/// One object a recording. JSON has no infinity: such an error is null.
+void print_json(const std::vector<Checked>& all) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& [recording, result] : all) {
+    const PlantSpec& spec = recording.plant->spec();
+    list.push_back(
+        {{"recording", recording.name},
+         {"plant", recording.plant.kind},
+         {"policy", recording.policy},
+         {"steps", recording.steps()},
+         {"one_step", states_json(result.one_step, spec)},
+         {"closed_loop", states_json(result.closed_loop, spec)},
+         {"applied", result.applied.error},
+         {"reward", result.reward.error},
+         {"sq_err", result.squared_error.error},
+         {"flags_equal", result.flags_differ == 0},
+         {"passed", result.passed()},
+         {"note", result.passed() && result.closed_loop.empty() ? "open loop: one step only" : result.fault}});
+  }
+  fmt::print("{}\n", list.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+/// All files are read before any is checked: bad input starts nothing.
+int validate_files(const ValidateOptions& options) {
+  std::vector<Checked> all;
+  for (const std::string& file : options.files) all.push_back({load_recording(file), {}});
+  bool passed = true;
+  for (Checked& checked : all) {
+    checked.result = validate(checked.recording, options.tolerances);
+    passed = passed && checked.result.passed();
+  }
+  if (options.json) {
+    print_json(all);
+  } else {
+    print_table(all);
+  }
+  return passed ? kDone : kCheckFailed;
+}
+
+constexpr const char* kAbout =
+    "Checks the model of a plant against recordings of it: of another simulator, or of a real robot.\n\n"
+    "For each recording it prints the largest absolute error of every state [SI units]: one step ahead from each "
+    "recorded "
+    "state, and in closed loop from the first state on, where the recorded controller is a state feedback; then the "
+    "errors "
+    "of applied action, reward and squared error, and whether the flags are equal. The default tolerances ask for "
+    "another "
+    "program's equal equations; for measurements choose them by your sensors, such as --tolerance-step 1e-2 "
+    "--tolerance-loop 0.1. --tolerance-step also judges applied action, reward and squared error.";
+
+}  // namespace
+
+void command_validate(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("validate", "Checks a plant against recordings of it");
+  command->description(kAbout);
+  command->footer(
+      cat("Example: gust validate logs/*.json\nExit code: 0 if all pass, 3 if any fails, 2 if one cannot be read.\n\n",
+          recording_format()));
+  auto options = std::make_shared<ValidateOptions>();  // shared: the callback outlives this function
+  command->add_option("recordings", options->files, "NAME.json of each recording; NAME.csv lies beside it")
+      ->required()
+      ->type_name("RECORDING.json");
+  command->add_option("--tolerance-step", options->tolerances.step, "largest error after one step")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--tolerance-loop", options->tolerances.loop, "largest error in closed loop")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "print one JSON array, one object a recording");
+  command->callback([options, &exit_code] { exit_code = validate_files(*options); });
+}
+
+}  // namespace gust

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "gust/sim/plant.h"
+
+namespace gust {
+
+/// A run of a plant under a controller, as a simulator or a logger on a robot wrote it down, and the model of that
+/// plant.
+///
+/// In every batch, lane k is record k: the action of control step k - 1, the force during it, and the state after it;
+/// record 0 is the reset and has no action, force or outcome. SI units.
+struct Recording {
+  std::string name;
+  Made<Plant> plant;          ///< the model with the recorded parameters, rates, goal and reward weights
+  std::string policy;         ///< kind of the controller that acted
+  Eigen::MatrixXd gain;       ///< K of u = u_goal - K (observation - goal), actions x states; empty in an open loop
+  double goal_tolerance = 0;  ///< done when |state - goal| is below it; 0 for never
+  bool exponential_reward = true;     ///< the reward is exp(-J), else -J
+  std::vector<double> error_weights;  ///< v of the squared error sum (v e)^2
+
+  Matrix<double> state;
+  Matrix<double> observation;  ///< what the controller saw
+  Matrix<double> command;      ///< what the controller asked for, in the policy's unit
+  Matrix<double> physical;     ///< the same in physical units
+  Matrix<double> disturbed;    ///< after the action disturbance, before saturation
+  Matrix<double> applied;      ///< what the plant received
+  Matrix<double> force;        ///< at the dynamics site, an adversary's share included
+  Matrix<double> outcome;      ///< rows: Recorded
+
+  std::size_t steps() const { return state.lanes() - 1; }
+};
+
+/// Rows of Recording::outcome. The flags are 0 or 1.
+enum class Recorded { kReward, kSquaredError, kOutOfBounds, kDone, kTimeLimit };
+
+/// A file that was read: its bytes, and its name for messages.
+struct NamedBytes {
+  std::string_view bytes;
+  std::string name;
+};
+
+/// Reads a recording from its description (JSON) and its records (CSV); recording_format() tells what they hold. Throws
+/// Error with file, line and column for whatever is missing, misspelt, no number, or does not fit together.
+Recording read_recording(const NamedBytes& description, const NamedBytes& records);
+
+/// The format as help text: every key of the JSON file and every column of the CSV file.
+std::string recording_format();
+
+}  // namespace gust

@@ -1,0 +1,200 @@
+#include "gust/control/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gust/control/closed_loop.h"
+#include "gust/control/lqr.h"
+
+namespace gust {
+namespace {
+
+/// The recordings charge the disturbed action and saturate it afterwards.
+const Readings kRecordedReadings{
+    .effort = "disturbed", .saturate = "after", .command_clip = "none", .tap_point = "com"};
+
+/// Some consecutive control steps, one a lane: lane i is the step that leads to record first + 1 + i.
+struct Stretch {
+  std::size_t first;
+  std::size_t lanes;
+};
+
+Matrix<double> cut(const Matrix<double>& all, std::size_t from, std::size_t lanes) {
+  Matrix<double> part(all.rows(), lanes);
+  for (std::size_t i = 0; i < all.rows(); ++i)
+    std::ranges::copy_n(&all.at(i, from), static_cast<std::ptrdiff_t>(lanes), part.row(i).begin());
+  return part;
+}
+
+Matrix<double> difference(const Matrix<double>& a, const Matrix<double>& b) {
+  Matrix<double> result(a.rows(), a.lanes());
+  for (std::size_t i = 0; i < a.rows(); ++i) {
+    for (std::size_t lane = 0; lane < a.lanes(); ++lane) result.at(i, lane) = a.at(i, lane) - b.at(i, lane);
+  }
+  return result;
+}
+
+EpisodeStart start_at(const Recording& recording, std::size_t record) {
+  EpisodeStart start{{}, nominal_parameters(recording.plant->spec()), {}, {}};
+  for (std::size_t i = 0; i < recording.state.rows(); ++i) start.state.push_back(recording.state.at(i, record));
+  return start;
+}
+
+/// The plant by itself: recorded applied action and force.
+void check_plant(const Recording& recording, const Stretch& at, Validation& result) {
+  const Plant& plant = *recording.plant;
+  const std::size_t states = plant.spec().state.size();
+  Matrix<double> state(states + plant.spec().hidden, at.lanes);
+  Matrix<double> parameters(plant.spec().parameters.size(), at.lanes);
+  for (std::size_t lane = 0; lane < at.lanes; ++lane) {
+    for (std::size_t i = 0; i < states; ++i) state.at(i, lane) = recording.state.at(i, at.first + lane);
+    for (std::size_t i = 0; i < parameters.rows(); ++i) parameters.at(i, lane) = plant.spec().parameters[i].nominal;
+    plant.begin(state.view(), lane);
+  }
+  const Matrix<double> action = cut(recording.applied, at.first + 1, at.lanes);
+  const Matrix<double> force = cut(recording.force, at.first + 1, at.lanes);
+
+  plant.advance({state.view(), parameters.view(), action.view(), force.view()});
+
+  for (std::size_t i = 0; i < states; ++i) {
+    for (std::size_t lane = 0; lane < at.lanes; ++lane) {
+      const std::size_t record = at.first + 1 + lane;
+      result.one_step[i].take(state.at(i, lane) - recording.state.at(i, record), record);
+    }
+  }
+}
+
+double squared_error(const Recording& recording, const ClosedLoop& loop, std::size_t lane) {
+  double sum = 0;
+  for (std::size_t i = 0; i < recording.error_weights.size(); ++i) {
+    const double error = recording.error_weights[i] * (loop.state().at(i, lane) - loop.goal().at(i, lane));
+    sum += error * error;
+  }
+  return sum;
+}
+
+bool reached_goal(const Recording& recording, const ClosedLoop& loop, std::size_t lane) {
+  double sum = 0;
+  for (std::size_t i = 0; i < recording.state.rows(); ++i) {
+    const double error = loop.state().at(i, lane) - loop.goal().at(i, lane);
+    sum += error * error;
+  }
+  return std::sqrt(sum) < recording.goal_tolerance;
+}
+
+/// Whether a lane's flags are those of the record. The time limit is only told where nothing else ends the episode.
+bool flags_equal(const Recording& recording, const ClosedLoop& loop, std::size_t lane, std::size_t record) {
+  const auto flag = [&](Recorded row) { return recording.outcome.at(static_cast<std::size_t>(row), record) != 0; };
+  const bool ended = loop.failed(lane) || reached_goal(recording, loop, lane);
+  const bool time_limit = record >= recording.steps() && !ended;
+  return flag(Recorded::kOutOfBounds) == loop.failed(lane) && flag(Recorded::kDone) == (ended || time_limit) &&
+         flag(Recorded::kTimeLimit) == time_limit;
+}
+
+void judge_lane(const Recording& recording, const ClosedLoop& loop, std::size_t lane, std::size_t record,
+                Validation& result) {
+  const auto recorded = [&](Recorded row) { return recording.outcome.at(static_cast<std::size_t>(row), record); };
+  for (std::size_t i = 0; i < recording.applied.rows(); ++i) {
+    result.applied.take(loop.applied().at(i, lane) - recording.applied.at(i, record), record);
+  }
+  const double reward = recorded(Recorded::kReward);
+  result.reward.take(loop.reward()[lane] - (recording.exponential_reward ? reward : std::exp(reward)), record);
+  const double squared = recorded(Recorded::kSquaredError);
+  result.squared_error.take((squared_error(recording, loop, lane) - squared) / std::max(1.0, squared), record);
+  if (flags_equal(recording, loop, lane, record)) return;
+  if (result.flags_differ++ == 0) result.first_flag = record;
+}
+
+/// The order of a control step: recorded command, recorded share of the disturbances, and all else the loop's own.
+void check_order(const Recording& recording, const Stretch& at, Validation& result) {
+  ClosedLoop loop(*recording.plant, kRecordedReadings, {}, at.lanes);
+  for (std::size_t lane = 0; lane < at.lanes; ++lane) loop.begin(lane, start_at(recording, at.first + lane));
+  const Matrix<double> command = cut(recording.command, at.first + 1, at.lanes);
+  const Matrix<double> push = cut(recording.force, at.first + 1, at.lanes);
+  const Matrix<double> nudge =
+      difference(cut(recording.disturbed, at.first + 1, at.lanes), cut(recording.physical, at.first + 1, at.lanes));
+
+  loop.step(command.view(), push.view(), nudge.view());
+
+  for (std::size_t lane = 0; lane < at.lanes; ++lane) judge_lane(recording, loop, lane, at.first + 1 + lane, result);
+}
+
+/// The recorded controller on the model's own state, with the recorded noise.
+void check_loop(const Recording& recording, Validation& result) {
+  const Plant& plant = *recording.plant;
+  const std::unique_ptr<Policy> policy = feedback_policy(plant, recording.gain);
+  ClosedLoop loop(plant, kRecordedReadings, {}, 1);
+  loop.begin(0, start_at(recording, 0));
+  const Matrix<double> noise = difference(recording.observation, recording.state);
+  const Matrix<double> action_noise = difference(recording.disturbed, recording.physical);
+  Matrix<double> seen(recording.state.rows(), 1);
+  Matrix<double> command(recording.command.rows(), 1);
+  for (std::size_t k = 0; k < recording.steps(); ++k) {
+    for (std::size_t i = 0; i < seen.rows(); ++i) seen.at(i, 0) = loop.state().at(i, 0) + noise.at(i, k);
+    policy->act(seen.view(), command.view());
+    const Matrix<double> push = cut(recording.force, k + 1, 1);
+    const Matrix<double> nudge = cut(action_noise, k + 1, 1);
+    loop.step(command.view(), push.view(), nudge.view());
+    for (std::size_t i = 0; i < seen.rows(); ++i) {
+      result.closed_loop[i].take(loop.state().at(i, 0) - recording.state.at(i, k + 1), k + 1);
+    }
+  }
+}
+
+/// The first error of a list beyond a tolerance, as a sentence.
+std::string fault_in(const std::vector<WorstError>& errors, const PlantSpec& spec, double tolerance,
+                     std::string_view mode) {
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (errors[i].error <= tolerance) continue;
+    return fmt::format("{} is off by {:.2g} {} at k = {} ({})", spec.state[i].name, errors[i].error, spec.state[i].unit,
+                       errors[i].record, mode);
+  }
+  return {};
+}
+
+std::string fault_of(const Validation& result, const PlantSpec& spec, const Tolerances& tolerances) {
+  if (std::string fault = fault_in(result.one_step, spec, tolerances.step, "one step"); !fault.empty()) return fault;
+  const auto beyond = [&](const char* what, const WorstError& worst) {
+    return worst.error <= tolerances.step
+               ? ""
+               : fmt::format("{} is off by {:.2g} at k = {}", what, worst.error, worst.record);
+  };
+  for (std::string fault :
+       {beyond("a_applied", result.applied), beyond("reward", result.reward), beyond("sq_err", result.squared_error)}) {
+    if (!fault.empty()) return fault;
+  }
+  if (result.flags_differ > 0) {
+    return cat("flags differ in ", result.flags_differ, " records, first at k = ", result.first_flag);
+  }
+  return fault_in(result.closed_loop, spec, tolerances.loop, "closed loop");
+}
+
+}  // namespace
+
+void WorstError::take(double difference, std::size_t at) {
+  const double size = std::abs(difference);
+  if (size <= error) return;
+  error = std::isnan(size) ? std::numeric_limits<double>::infinity() : size;
+  record = at;
+}
+
+Validation validate(const Recording& recording, const Tolerances& tolerances) {
+  constexpr std::size_t kLanes = 512;
+  const PlantSpec& spec = recording.plant->spec();
+  Validation result;
+  result.one_step.resize(spec.state.size());
+  for (std::size_t first = 0; first < recording.steps(); first += kLanes) {
+    const Stretch at{first, std::min(kLanes, recording.steps() - first)};
+    check_plant(recording, at, result);
+    check_order(recording, at, result);
+  }
+  if (recording.gain.size() > 0) {
+    result.closed_loop.resize(spec.state.size());
+    check_loop(recording, result);
+  }
+  result.fault = fault_of(result, spec, tolerances);
+  return result;
+}
+
+}  // namespace gust

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "gust/control/recording.h"
+
+namespace gust {
+
+/// The largest error that still counts as agreement, in the unit of what is compared.
+struct Tolerances {
+  double step = 1e-12;  ///< after one control step, and of the reward and the applied action
+  double loop = 1e-10;  ///< at any step of a closed loop run from the first state on
+};
+
+/// An error, and the record in which it is the largest. What is no number counts as infinitely wrong.
+struct WorstError {
+  double error = 0;
+  std::size_t record = 0;
+
+  void take(double difference, std::size_t at);
+};
+
+/// How a recording and the model of its plant agree.
+struct Validation {
+  std::vector<WorstError> one_step;     ///< of each state, restarted from every recorded state
+  std::vector<WorstError> closed_loop;  ///< of each state, in a run of its own; empty for an open loop
+  WorstError applied;                   ///< of the action after disturbance and saturation
+  WorstError reward;
+  WorstError squared_error;      ///< relative where it is above 1
+  std::size_t flags_differ = 0;  ///< records with another out_of_bounds, done or timelimit
+  std::size_t first_flag = 0;    ///< the first of them
+  std::string fault;             ///< the first thing that is beyond its tolerance, as a sentence; empty if passed
+
+  bool passed() const { return fault.empty(); }
+};
+
+/// Runs the model against the recording. One step: from every recorded state with the recorded applied action and
+/// force, and once more through the closed loop's own order of disturbance, saturation, reward and failure. Closed
+/// loop, where the recorded controller is a state feedback: that controller on the model's own state with the recorded
+/// noise of observations and actions and the recorded forces.
+Validation validate(const Recording& recording, const Tolerances& tolerances);
+
+}  // namespace gust
