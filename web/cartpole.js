@@ -105,7 +105,7 @@ function cartpoleScene(episode, width) {
   const model = cartpoleModel(episode);
   const reach = model.limit + 0.45;
   const scale = Math.min(width / (2 * reach), 380 / (model.above + model.below));
-  const height = (model.above + model.below) * scale;
+  const height = model.above * scale + Math.max(model.below * scale, (cartHigh / 2 + 0.06) * scale + 28);
   const parts = body(model, scale);
   const ghost = body(model, scale);
   const world = svgElement('g');

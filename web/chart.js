@@ -1,6 +1,7 @@
 // Charts are drawn when they come near the window, again when their width or the state changes, and all before printing.
 
-const eagerCharts = 80;  // so many are drawn ahead while the browser is idle, or for the printer
+const eagerCharts = 80;   // so many are drawn ahead while the browser is idle, or for the printer
+const slowDrawing = 500;  // [ms] a chart that takes longer ends drawing ahead
 const charts = new Set();
 
 const nearWindow = new IntersectionObserver((entries) => {
@@ -113,8 +114,10 @@ function startIdleDrawing() {
     const chart = [...charts].find((one) => !one.drawn && one.host.clientWidth > 0);
     idle = Boolean(chart);
     if (!chart) return;
+    const before = performance.now();
     await chart.refresh();
-    later(next);
+    if (performance.now() - before > slowDrawing) idle = false;
+    else later(next);
   };
   later(next);
 }

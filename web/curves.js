@@ -149,7 +149,7 @@ function siteFigure(figure, {name, metric, strip, chooseMetric}) {
   const body = figure.querySelector('.body');
   const sweeps = data.sweeps.map((_, index) => index).filter((index) => data.sweeps[index].site !== '');
   const {sites, rows} = sweepTable(sweeps);
-  const lines = element('div', {class: 'multiples', style: `--sites:${sites.length}`},
+  const lines = element('div', {class: strip ? 'multiples with-strip' : 'multiples', style: `--sites:${sites.length}`},
     element('div', {class: 'corner'}), ...sites.map((site) => element('div', {class: 'column-head'}, site)));
   for (const row of rows) {
     lines.append(element('div', {class: 'row-head'}, glyph(row.waveform), element('span', {}, row.waveform)));

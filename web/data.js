@@ -47,6 +47,12 @@ function pretty(value) {
   return text.replace('-', '−');
 }
 
+/** A count of steps: 60 k, 1 M. */
+function prettyCount(value) {
+  if (value >= 1e6) return `${Number((value / 1e6).toPrecision(3))} M`;
+  return value >= 1e3 ? `${Number((value / 1e3).toPrecision(3))} k` : String(value);
+}
+
 function withUnit(text, unit) {
   return unit ? `${text} ${unit}` : text;
 }

@@ -4,8 +4,8 @@ function pairs(x, v, more) {
   return x.map((step, i) => ({...more, step, value: v[i]})).filter((row) => row.value !== null);
 }
 
-/** Panels of all policies on common axes. */
-function learningPanels() {
+/** Panels of all policies on common axes; share: how much of the training they span. */
+function learningPanels(share) {
   const policies = distinct(data.learning.map((one) => one.p));
   const panels = policies.map((policy) => {
     const all = data.learning.filter((one) => one.p === policy);
@@ -21,7 +21,7 @@ function learningPanels() {
   const everything = panels.flatMap((panel) => [...panel.runs, ...panel.mean, ...panel.others]);
   const y = extent(everything.map((row) => row.value)) ?? [0, 1];
   const domain = {
-    x: [0, (extent(everything.map((row) => row.step)) ?? [0, 1])[1]],
+    x: [0, share * (extent(everything.map((row) => row.step)) ?? [0, 1])[1]],
     y: y[0] >= 0 && y[1] <= 1 ? [0, 1] : padded(y),
   };
   return panels.map((panel) => ({...panel, domain}));
@@ -38,7 +38,7 @@ function learningRows(panels) {
 
 function describeLearning(panel) {
   const last = panel.mean.at(-1);
-  return `${panel.title}: ${data.learningScore} against training steps; ${last ? `mean ${pretty(last.value)} after ${pretty(last.step)} steps` : 'no mean'}`;
+  return `${panel.title}: ${data.learningScore} against training steps; ${last ? `mean ${pretty(last.value)} after ${prettyCount(last.step)} steps` : 'no mean'}`;
 }
 
 function tellLearning(panel, i) {
@@ -50,17 +50,34 @@ function tellLearning(panel, i) {
 }
 
 function learningFigure(figure) {
-  const panels = learningPanels();
+  let share = 1;
+  let panels = learningPanels(share);
+  const drawn = [];
+  const zoom = (to) => {
+    share = to;
+    panels = learningPanels(share);
+    change({});
+    for (const chart of drawn) chart.touch();
+  };
   const tiles = element('div', {class: 'tiles'});
-  for (const panel of panels) {
+  panels.forEach((panel, index) => {
     const host = element('div', {class: 'panel'});
     tiles.append(element('div', {class: 'tile'},
       element('h4', {}, swatch(panel.policy), ` ${panel.title}`, element('small', {}, data.policies[panel.policy].kind)), host));
-    const chart = new Chart(host, (width) => standalone(learningPanel(onScreen, {...panel, title: null}, width - 8, 180), panel.title),
+    const chart = new Chart(host, (width) => standalone(learningPanel(onScreen, {...panels[index], title: null}, width - 8, 180), panel.title),
       () => describeLearning(panel));
-    readable(chart, () => ({domain: panel.domain.x, log: false, places: panel.mean.map((row) => row.step), tell: (i) => tellLearning(panel, i)}));
-  }
-  figure.querySelector('.body').append(element('p', {class: 'lead'}, `${data.learningScore} of the policy as trained so far, undisturbed.`), tiles);
+    drawn.push(chart);
+    readable(chart, () => ({
+      domain: panels[index].domain.x, log: false, tell: (i) => tellLearning(panel, i),
+      places: panel.mean.map((row) => row.step).filter((step) => step <= panels[index].domain.x[1]),
+    }));
+  });
+  const end = panels[0].domain.x[1];
+  const spans = [[1, prettyCount(end), 'the whole training'], [0.2, prettyCount(0.2 * end), 'the first fifth']];
+  figure.querySelector('.body').append(
+    element('p', {class: 'lead'}, `${data.learningScore} of the policy as trained so far, undisturbed.`),
+    element('div', {class: 'choices'}, element('div', {class: 'choice'}, element('span', {class: 'label'}, 'Steps, to'),
+      segmented('Steps shown', spans, () => share, zoom))), tiles);
   addTools(figure, {
     name: 'learning', rows: () => learningRows(panels), commands: () => [['the study', data.runCommand]],
     spec: () => gridOfPanels(panels.map((panel) => [learningPanel(inFile, panel, 420, 200)]), `${data.name}: ${data.learningScore}`),

@@ -10,10 +10,11 @@ function timeRows(name, values, rate) {
   return values.map((value, k) => ({name, time: k / rate, value})).filter((row) => row.value !== null);
 }
 
-function group(title, traces, rate, more) {
-  const rows = traces.flatMap((trace) => timeRows(trace.name, trace.v, rate));
-  const domain = padded(extent(rows.map((row) => row.value)) ?? [0, 1], 0.08);
-  return {title, rows, domain, lines: traces.map((trace) => ({name: trace.name, colour: trace.colour, dash: trace.dash ?? []})), ...more};
+/** One view. What is held over a control step is drawn as steps, to the end of the last one, on an axis with zero. */
+function group(title, traces, rate, step = false) {
+  const rows = traces.flatMap((trace) => timeRows(trace.name, step ? [...trace.v, ...trace.v.slice(-1)] : trace.v, rate));
+  const domain = padded(extent([...rows.map((row) => row.value), ...(step ? [0] : [])]) ?? [0, 1], 0.08);
+  return {title, rows, domain, step, lines: traces.map((trace) => ({name: trace.name, colour: trace.colour, dash: trace.dash ?? []}))};
 }
 
 /** The views of an episode; rates of change only when asked for. */
@@ -25,14 +26,14 @@ function episodeGroups(episode, rates) {
     ...(episode.commanded[i] ? [{...episode.commanded[i], name: `${trace.name} commanded`, colour: '--commanded', dash: [4, 2]}] : []),
     {...trace, name: `${trace.name} applied`, colour: '--applied'},
   ]);
-  if (actions.length > 0) groups.push(group(axisTitle('action', episode.applied[0].unit), actions, rate, {step: true}));
+  if (actions.length > 0) groups.push(group(axisTitle('action', episode.applied[0].unit), actions, rate, true));
   for (const site of new Set(episode.disturbances.map((push) => push.site))) {
     const traces = episode.disturbances.filter((push) => push.site === site);
     const units = new Set(traces.map((trace) => trace.unit));
     groups.push(group(axisTitle(`disturbance of the ${site}`, units.size === 1 ? traces[0].unit : ''),
-      traces.map((trace, i) => ({...trace, colour: channelColours[i % channelColours.length]})), rate, {step: true}));
+      traces.map((trace, i) => ({...trace, colour: channelColours[i % channelColours.length]})), rate, true));
   }
-  groups.push(group('reward', [{name: 'reward', v: episode.reward, colour: '--ink'}], rate, {step: true}));
+  groups.push(group('reward', [{name: 'reward', v: episode.reward, colour: '--ink'}], rate, true));
   return groups;
 }
 

@@ -73,15 +73,17 @@ class Replay {
     this.scrub = element('input', {type: 'range', min: 0, step: 1, value: 0, 'aria-label': 'Time',
       oninput: () => { this.player.pause(); this.player.seek(Number(this.scrub.value)); }});
     this.stage = element('div', {class: 'stage'});
+    this.views = 0;
     this.readout = element('dl', {class: 'readout'});
     this.badge = element('p', {class: 'badge', 'aria-live': 'polite'});
     this.plots = element('div', {class: 'panel time-plots'});
-    this.ratesButton = element('button', {type: 'button', 'aria-pressed': 'false', onclick: () => this.toggleRates()}, 'Rates');
+    this.ratesButton = element('button', {type: 'button', 'aria-pressed': 'false', title: 'Plot the rates of change too', onclick: () => this.toggleRates()}, 'Rates');
     this.figure.querySelector('.body').append(
       element('div', {class: 'choices'}, element('label', {class: 'choice grow'}, element('span', {class: 'label'}, 'Episode'), this.select),
-        button('‹', 'Previous episode', () => this.move(-1)), button('›', 'Next episode', () => this.move(1)), this.ratesButton),
+        element('div', {class: 'segmented'}, button('‹', 'Previous episode', () => this.move(-1)), button('›', 'Next episode', () => this.move(1))),
+        this.ratesButton),
       element('div', {class: 'replay'},
-        element('div', {class: 'left'}, this.stage, this.badge,
+        element('div', {class: 'left'}, element('div', {class: 'window'}, this.stage, this.badge),
           element('div', {class: 'transport'}, this.playButton, button('−', 'Slower', () => this.player.changeSpeed(-1)), this.speedLabel,
             button('+', 'Faster', () => this.player.changeSpeed(1)), this.scrub),
           this.readout, this.legend()),
@@ -89,7 +91,7 @@ class Replay {
     this.cursor = element('div', {class: 'crosshair cursor'});
     this.fall = element('div', {class: 'crosshair fall'});
     this.chart = new Chart(this.plots, (width) => standalone(this.spec(onScreen, width - 8), this.episode.title), () => `Episode over time: ${this.episode.title}`);
-    this.chart.after = () => this.place();
+    this.chart.after = () => this.measure();
     this.plots.append(this.cursor, this.fall);
     this.listen();
   }
@@ -147,8 +149,9 @@ class Replay {
   }
 
   spec(look, width) {
-    const steps = this.episode.reward.length;
-    return timePlots(look, episodeGroups(this.episode, this.rates), [0, steps / this.episode.rate], width, 58);
+    const groups = episodeGroups(this.episode, this.rates);
+    this.views = groups.length;
+    return timePlots(look, groups, [0, this.episode.reward.length / this.episode.rate], width, 54);
   }
 
   show(episode) {
@@ -157,6 +160,8 @@ class Replay {
     this.select.selectedIndex = data.episodes.indexOf(episode);
     this.player.steps = episode.reward.length;
     this.player.rate = episode.rate;
+    this.frame = null;
+    this.fall.hidden = true;
     this.scrub.max = String(this.player.steps);
     this.stage.dataset.policy = episode.p;
     const sites = new Set(episode.disturbances.map((push) => push.site));
@@ -186,21 +191,27 @@ class Replay {
     this.place();
   }
 
-  /** Moves the cursors of the plots. */
-  place() {
-    const views = this.episode ? episodeGroups(this.episode, this.rates).length : 0;
-    const first = this.chart.frame(0);
-    const last = this.chart.frame(views - 1);
-    for (const line of [this.cursor, this.fall]) line.hidden = !first || !last;
-    if (!first || !last) return;
+  /** Finds where the drawn plots lie, once a drawing. */
+  measure() {
     const host = this.plots.getBoundingClientRect();
-    const put = (line, step) => {
-      const x = first.left - host.left + (step / this.player.steps) * first.width;
-      line.style.cssText = `left:0;transform:translateX(${x}px);top:${first.top - host.top}px;height:${last.bottom - first.top}px`;
-    };
-    put(this.cursor, Math.min(this.player.time, this.player.steps));
-    this.fall.hidden = this.episode.failed === undefined;
-    if (!this.fall.hidden) put(this.fall, this.episode.failed);
+    const first = this.chart.frame(0);
+    const last = this.chart.frame(this.views - 1);
+    this.frame = first && last ? {left: first.left - host.left, width: first.width, top: first.top - host.top, height: last.bottom - first.top} : null;
+    this.place();
+    const failed = this.episode.failed;
+    this.fall.hidden = !this.frame || failed === undefined;
+    if (!this.fall.hidden) this.put(this.fall, failed);
+  }
+
+  put(line, step) {
+    const {left, width, top, height} = this.frame;
+    line.style.cssText = `left:0;transform:translateX(${left + (step / this.player.steps) * width}px);top:${top}px;height:${height}px`;
+  }
+
+  /** Moves the cursor of the plots. */
+  place() {
+    this.cursor.hidden = !this.frame;
+    if (this.frame) this.put(this.cursor, Math.min(this.player.time, this.player.steps));
   }
 
   tell(step) {

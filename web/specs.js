@@ -5,14 +5,13 @@ const yAxisWidth = 36;
 const rightAir = 8;
 
 function quantitative(field, {title = null, domain = null, log = false, axis = {}}) {
-  const scale = {zero: false, nice: false};
+  const scale = log ? {type: 'log', nice: false} : {zero: false, nice: false};
   if (domain) scale.domain = domain;
-  if (log) scale.type = 'log';
   return {field, type: 'quantitative', title, scale, axis};
 }
 
 function xAxis(width) {
-  return {tickCount: Math.max(3, Math.floor(width / 55)), grid: false};
+  return {tickCount: Math.max(3, Math.floor(width / 55)), grid: false, labelFlush: true};
 }
 
 function yAxis(height) {
@@ -67,7 +66,7 @@ function curvePanel(look, panel, width, height, legend = false) {
         axis: {...yAxis(26), values: [0, 1], format: '%', grid: true, tickCount: 2}},
     },
   };
-  return hasStrip ? {vconcat: [main, strip], spacing: 8, bounds: 'flush'} : main;
+  return hasStrip ? {vconcat: [main, strip], spacing: 14, bounds: 'flush'} : main;
 }
 
 /** A whole specification around a panel or a concatenation of panels. */
@@ -113,7 +112,7 @@ function heatPanel(look, panel, width, height) {
   const inner = Math.max(80, width - 44 - rightAir);
   const axis = (field, names, of) => ({
     field, type: 'ordinal', title: axisTitle(of.name, of.unit), sort: names,
-    axis: {labelOverlap: true, domain: false, ticks: false, labelAngle: 0, minExtent: field === 'row' ? 40 : 0},
+    axis: {labelOverlap: 'greedy', domain: false, ticks: false, labelAngle: 0, minExtent: field === 'row' ? 40 : 0},
   });
   const content = {
     width: inner, height, data: {values: panel.rows},
@@ -133,21 +132,35 @@ function heatPanel(look, panel, width, height) {
   return content;
 }
 
-/** Lines over time, one view a group. groups: [{title, lines: [{name, colour, dash, step}], rows: [{name, time, value}]}]. */
+/**
+ * Lines over time, one view a group. groups: [{title, lines: [{name, colour, dash}], step, domain, rows: [{name, time, value}]}].
+ */
 function timePlots(look, groups, domain, width, height) {
   const inner = Math.max(60, width - yAxisWidth - rightAir);
   const view = (group, last) => ({
     width: inner, height, data: {values: group.rows},
-    title: {text: group.title, fontSize: 11, fontWeight: 500, offset: 4, color: look.colour('--ink-2')},
     mark: {type: 'line', strokeWidth: 1.5, interpolate: group.step ? 'step-after' : 'linear'},
     encoding: {
       x: quantitative('time', {title: last ? 'time [s]' : null, domain, axis: {...xAxis(inner), labels: last, ticks: last, domain: last}}),
-      y: quantitative('value', {axis: yAxis(height), domain: group.domain}),
-      color: {field: 'name', type: 'nominal', legend: null,
-        scale: {domain: group.lines.map((line) => line.name), range: group.lines.map((line) => look.colour(line.colour))}},
-      strokeDash: {field: 'name', type: 'nominal', legend: null,
-        scale: {domain: group.lines.map((line) => line.name), range: group.lines.map((line) => line.dash)}},
+      y: quantitative('value', {title: group.title, domain: group.domain,
+        axis: {...yAxis(height), titleAngle: 0, titleAlign: 'left', titleAnchor: 'end', titleX: -yAxisWidth, titleY: -8, titleBaseline: 'bottom'}}),
+      color: lineChannel(group, inner, group.lines.map((line) => look.colour(line.colour))),
+      strokeDash: lineChannel(group, inner, group.lines.map((line) => line.dash)),
     },
   });
-  return {vconcat: groups.map((group, index) => view(group, index === groups.length - 1)), spacing: 10, bounds: 'flush'};
+  return {
+    vconcat: groups.map((group, index) => view(group, index === groups.length - 1)), spacing: 32, bounds: 'flush',
+    resolve: {scale: {color: 'independent', strokeDash: 'independent'}, legend: {color: 'independent', strokeDash: 'independent'}},
+  };
+}
+
+/** A channel that tells the lines of a view apart; where there are several, with a legend at the right end of its title. */
+function lineChannel(group, width, range) {
+  const names = group.lines.map((line) => line.name);
+  const taken = names.reduce((sum, name) => sum + 32 + 6 * Math.min(name.length, 18), 0);
+  const legend = names.length < 2 ? null : {
+    title: null, orient: 'none', direction: 'horizontal', legendX: Math.max(90, width - taken), legendY: -19, symbolType: 'stroke',
+    symbolSize: 160, symbolStrokeWidth: 2, columnPadding: 8, labelFontSize: 10.5, labelLimit: 110,
+  };
+  return {field: 'name', type: 'nominal', legend, scale: {domain: names, range}};
 }

@@ -35,7 +35,7 @@ function chartConfig(look) {
     axis: {
       labelColor: ink, titleColor: ink, labelFontSize: 10.5, titleFontSize: 11, titleFontWeight: 500, titlePadding: 5,
       gridColor: rule, domainColor: look.colour('--rule-2'), tickColor: look.colour('--rule-2'), tickSize: 4,
-      labelPadding: 3, labelFlush: true,
+      labelPadding: 3, labelFlush: false,
     },
     title: {color: look.colour('--ink'), fontSize: 12, fontWeight: 600, anchor: 'start', subtitleColor: ink},
     legend: {labelColor: ink, titleColor: ink, labelFontSize: 11, titleFontSize: 11, titleFontWeight: 500},

@@ -18,7 +18,7 @@ std::string policy_html(const Page& page, std::size_t policy) {
   return cat("<b class=\"policy\" data-policy=\"", policy, "\">", escaped(page.policies[policy].name), "</b>");
 }
 
-std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
 std::vector<const Page::Margin*> margins_of(const Page& page, std::size_t sweep, std::size_t start) {
   std::vector<const Page::Margin*> out;
@@ -99,7 +99,7 @@ std::string worst_cell(const Page& page) {
   const auto& sweep = page.sweeps[cell.sweep];
   const std::string unit = sweep.unit.empty() ? "" : cat("&nbsp;", escaped(sweep.unit));
   const std::string nominal =
-      std::isnan(cell.nominal) ? "" : cat(", against ", decimal(cell.nominal, cell.nominal), " undisturbed");
+      std::isnan(cell.nominal) ? "" : cat(", against ", decimal(cell.nominal, 1), " undisturbed");
   return cat("The worst cell measured is ", policy_html(page, cell.policy), " under ", escaped(sweep.site), " ",
              escaped(sweep.waveform), " at ", short_number(cell.level), unit, ": ", decimal(cell.score.value, 1),
              nominal, ".");
@@ -109,7 +109,8 @@ std::string worst_cell(const Page& page) {
 
 std::string margin_html(const Page& page, const Page::Margin& margin) {
   const std::string& unit = page.sweeps[margin.sweep].unit;
-  const double scale = margin.level.value;
+  const auto& levels = page.sweeps[margin.sweep].levels;
+  const double scale = levels.empty() ? margin.level.value : levels.back();
   const std::string interval = interval_text(margin.level, scale);
   return cat(margin.censored ? "≥&nbsp;" : "", decimal(margin.level.value, scale), unit.empty() ? "" : "&nbsp;",
              escaped(unit),

@@ -100,7 +100,7 @@ std::string decimal(double value, double scale) {
 }
 
 std::string interval_text(const Page::Estimate& estimate, double scale) {
-  if (std::isnan(estimate.low) || std::isnan(estimate.high)) return "";
+  if (!(estimate.low < estimate.high)) return "";
   return cat("[", decimal(estimate.low, scale), ", ", decimal(estimate.high, scale), "]");
 }
 

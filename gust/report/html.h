@@ -18,7 +18,7 @@ std::string escaped(std::string_view text);
 /// known, "∞" where it has no end.
 std::string decimal(double value, double scale);
 
-/// "[0.44, 0.49]", or nothing where there is no interval; an end beyond the grid is "∞".
+/// "[0.44, 0.49]", or nothing where there is no interval or it has no width; an end beyond the grid is "∞".
 std::string interval_text(const Page::Estimate& estimate, double scale);
 
 /// A number to three digits, on its own.

@@ -93,7 +93,7 @@ std::string answer_section(const Page& page, const std::vector<std::string>& lef
   if (const std::string table = margins_table(page); !table.empty()) {
     out += cat("<h3 id=\"margins\">Robustness margins</h3>\n<p class=\"lead\">The first level at which ",
                escaped(page.metrics[page.margin_metric].title), " falls below ",
-               fmt::format("{:.0f} %", 100 * page.margin_share),
+               fmt::format("{:.0f} %", 100 * page.margin_share),
                " of its undisturbed value. Bar: interval, on the scale of its row. <b class=\"ahead\">Bold</b>: "
                "clearly ahead of all "
                "others.</p>\n<div class=\"choices\" id=\"margin-choices\"></div>\n",

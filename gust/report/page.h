@@ -204,7 +204,7 @@ struct Page {
   std::string study_text;
 
   /// The figures' data may take this many bytes; what does not fit is left out, and the page says so.
-  std::size_t data_limit = 12'000'000;
+  std::size_t data_limit = 8'000'000;
 };
 
 /// One HTML file that needs nothing else: data, charts, replay and licences are inside. Throws Error where an index

@@ -1,0 +1,88 @@
+#include "gust/report/answer.h"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+namespace gust {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Two policies under a step on the action and the dynamics; levels to 10 N and 1 N.
+Page two_policies() {
+  Page page;
+  page.policies = {{"lqr", "lqr", 1}, {"ppo", "train ppo", 3}};
+  page.metrics = {{"anr", "return / length", "", 0, 1}};
+  page.starts = {{"nominal", "one fixed start"}};
+  page.sweeps = {{"action step", "action", "step", "N", {0, 5, 10}, Page::kUnknown, ""},
+                 {"dynamics step", "dynamics", "step", "N", {0, 0.5, 1}, Page::kUnknown, ""}};
+  return page;
+}
+
+}  // namespace
+
+TEST_CASE("a policy is ahead where its interval lies above the others'") {
+  Page page = two_policies();
+  page.margins = {{0, 0, 0, {4, 4, 4}, false, 0.98}, {0, 1, 0, {6, 5, 7}, false, 0.98}};
+
+  CHECK(clear_winner(page, 0, 0) == 1);
+  page.margins[1].level.low = 4;
+  CHECK(clear_winner(page, 0, 0) == Page::kNone);
+}
+
+TEST_CASE("of two policies that both outlast the grid none is ahead") {
+  Page page = two_policies();
+  page.margins = {{0, 0, 0, {10, 10, kInfinity}, true, 0.98}, {0, 1, 0, {10, 10, kInfinity}, true, 0.98}};
+
+  CHECK(clear_winner(page, 0, 0) == Page::kNone);
+  page.margins[0] = {0, 0, 0, {4, 4, 4}, false, 0.98};
+  CHECK(clear_winner(page, 0, 0) == 1);
+}
+
+TEST_CASE("a lone policy is not called ahead") {
+  Page page = two_policies();
+  page.margins = {{0, 1, 0, {6, 5, 7}, false, 0.98}};
+
+  CHECK(clear_winner(page, 0, 0) == Page::kNone);
+}
+
+TEST_CASE("the answer ranks the policies, then names the first to fall on each site") {
+  Page page = two_policies();
+  page.margins = {{0, 0, 0, {4, 4, 4}, false, 0.98},
+                  {0, 1, 0, {6, 5, 7}, false, 0.98},
+                  {1, 0, 0, {1, 1, kInfinity}, true, 0.98},
+                  {1, 1, 0, {1, 1, kInfinity}, true, 0.98}};
+
+  const auto sentences = answer_html(page);
+
+  REQUIRE(sentences.size() == 3);
+  CHECK(sentences[0] ==
+        "<b class=\"policy\" data-policy=\"1\">ppo</b> stands the most under 1 of 2 disturbances; under 1 no policy is "
+        "clearly "
+        "ahead.");
+  CHECK(sentences[1] ==
+        "On the <b>action</b> site the first to fall is <b class=\"policy\" data-policy=\"0\">lqr</b>, under step at "
+        "4.0&nbsp;N.");
+  CHECK(sentences[2] == "On the <b>dynamics</b> site nothing on the grid costs more than 10\u00a0% of the score.");
+}
+
+TEST_CASE("a margin is told with its unit and interval, and one beyond the grid as at least") {
+  Page page = two_policies();
+
+  CHECK(margin_html(page, {0, 1, 0, {6, 5, 7}, false, 1}) == "6.0&nbsp;N <span class=\"interval\">[5.0, 7.0]</span>");
+  CHECK(margin_html(page, {0, 1, 0, {10, 10, kInfinity}, true, 1}) == "≥&nbsp;10.0&nbsp;N");
+}
+
+TEST_CASE("the notes name policies of a single seed and count the margins beyond the grid") {
+  Page page = two_policies();
+  page.margins = {{0, 0, 0, {4, 4, 4}, false, 0.98}, {0, 1, 0, {10, 10, kInfinity}, true, 0.98}};
+
+  const auto notes = confidence_html(page);
+
+  REQUIRE(notes.size() == 3);
+  CHECK(notes[1].find("lqr</b> has one seed") != std::string::npos);
+  CHECK(notes[2].starts_with("1 of 2 margins lies beyond"));
+}
+
+}  // namespace gust
