@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+
+#include "gust/cli/command.h"
+#include "gust/cli/study_command.h"
+#include "gust/study/pack.h"
+
+namespace gust {
+namespace {
+
+struct Options {
+  std::string folder;
+  std::string file;
+};
+
+void pack(const Options& options) {
+  const Store store(StudyFolder(options.folder).store(), Store::Access::read, tell);
+  const PackCount count = pack_store(store, options.file);
+  fmt::print("{}: {} trials, {:.1f} MB\n", options.file, count.trials, static_cast<double>(count.bytes) * 1e-6);
+}
+
+void unpack(const Options& options) {
+  const Store store(StudyFolder(options.folder).store(), Store::Access::write, tell);
+  const PackCount count = unpack_store(options.file, store);
+  fmt::print("{}: {} trials added, {} were there\n", options.folder, count.trials, count.present);
+}
+
+void add_arguments(CLI::App& command, const std::shared_ptr<Options>& options, bool folder_first) {
+  const auto add_folder = [&] {
+    command.add_option("DIR", options->folder, "a folder that gust run made")->required();
+  };
+  if (folder_first) add_folder();
+  command.add_option("FILE", options->file, "the pack")->required();
+  if (!folder_first) add_folder();
+}
+
+}  // namespace
+
+void command_store(CLI::App& app, int&) {
+  CLI::App* store = app.add_subcommand("store", "Packs finished trials into one file, and unpacks them");
+  store->require_subcommand(1);
+  const auto options = std::make_shared<Options>();
+
+  CLI::App* packing = store->add_subcommand("pack", "Writes the finished trials of DIR into one compressed FILE");
+  add_arguments(*packing, options, /*folder_first=*/true);
+  packing->footer("Example:\n  gust store pack demo.gust demo.pack");
+  packing->callback([options] { pack(*options); });
+
+  CLI::App* unpacking =
+      store->add_subcommand("unpack", "Adds the trials of FILE to DIR; none that is whole is touched");
+  add_arguments(*unpacking, options, /*folder_first=*/false);
+  unpacking->footer("Example:\n  gust store unpack demo.pack demo.gust && gust run studies/demo.toml --out demo.gust");
+  unpacking->callback([options] { unpack(*options); });
+}
+
+}  // namespace gust
