@@ -27,11 +27,9 @@ class SignalStore {
 };
 
 EpisodeStart start_of(const Evaluation& evaluation, const EpisodeIndex& index, SignalStore& signals) {
-  const StartProtocol& protocol = evaluation.starts[index.start];
   const SweepCell& cell = evaluation.cells[index.cell];
   EpisodeStart start;
-  start.state = protocol.random ? random_start(evaluation.plant->spec(), episode_stream(evaluation, index.episode))
-                                : protocol.state;
+  start.state = start_state(evaluation, index);
   start.parameters = cell.parameters;
   start.levels = cell.levels;
   start.signals = signals.at(index.episode);
@@ -95,6 +93,12 @@ void evaluate(const Evaluation& evaluation, Policy& policy,
     }
   }
   if (!batch.empty()) flush();
+}
+
+std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex& index) {
+  const StartProtocol& protocol = evaluation.starts[index.start];
+  if (!protocol.random) return protocol.state;
+  return random_start(evaluation.plant->spec(), episode_stream(evaluation, index.episode));
 }
 
 Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeIndex& index) {

@@ -47,6 +47,9 @@ struct EpisodeIndex {
 void evaluate(const Evaluation& evaluation, Policy& policy,
               const std::function<void(const EpisodeIndex&, const Episode&)>& take, std::size_t lanes = 256);
 
+/// The true state in which an episode of an evaluation begins.
+std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex& index);
+
 /// Everything that happened in one episode, step by step; columns are control steps.
 struct Trace {
   EpisodeIndex index;
