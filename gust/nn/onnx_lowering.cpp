@@ -30,7 +30,7 @@ OnnxProgram OnnxLowering::program() {
 
 void OnnxLowering::lower_node() {
   const OnnxOperator* op = find_onnx_operator(node_->op);
-  if (op == nullptr) fail("is an operator that is not supported; supported are " + onnx_operator_names());
+  if (op == nullptr) fail("this operator is not supported; supported are " + onnx_operator_names());
   if (inputs() < op->least_inputs || inputs() > op->most_inputs) {
     fail(cat("has ", inputs(), " inputs; this operator takes ", op->least_inputs, " to ", op->most_inputs));
   }

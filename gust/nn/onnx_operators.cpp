@@ -105,6 +105,16 @@ void lower_combine(OnnxLowering& at) {
   at.set_output(0, at.combine(arithmetic, at.input(0), at.input(1)));
 }
 
+/// Min and Max take any number of inputs.
+template <OnnxArithmetic arithmetic>
+void lower_extreme(OnnxLowering& at) {
+  OnnxValue result = at.input(0);
+  for (std::size_t i = 1; i < at.inputs(); ++i) result = at.combine(arithmetic, result, at.input(i));
+  at.set_output(0, result);
+}
+
+void lower_neg(OnnxLowering& at) { at.set_output(0, scaled(at, at.input(0), -1.0f)); }
+
 template <OnnxFunction function>
 void lower_map(OnnxLowering& at) {
   at.set_output(0, at.map(at.input(0), function));
@@ -141,10 +151,14 @@ constexpr OnnxOperator kArithmetic[] = {
     {"Gemm", 2, 3, lower_gemm},
     {"LeakyRelu", 1, 1, lower_leaky_relu},
     {"MatMul", 2, 2, lower_matmul},
+    {"Max", 1, kAnyInputs, lower_extreme<OnnxArithmetic::kMax>},
+    {"Min", 1, kAnyInputs, lower_extreme<OnnxArithmetic::kMin>},
     {"Mul", 2, 2, lower_combine<OnnxArithmetic::kMul>},
+    {"Neg", 1, 1, lower_neg},
     {"Relu", 1, 1, lower_map<OnnxFunction::kRelu>},
     {"Sigmoid", 1, 1, lower_map<OnnxFunction::kSigmoid>},
     {"Softplus", 1, 1, lower_map<OnnxFunction::kSoftplus>},
+    {"Sqrt", 1, 1, lower_map<OnnxFunction::kSqrt>},
     {"Sub", 2, 2, lower_combine<OnnxArithmetic::kSub>},
     {"Tanh", 1, 1, lower_map<OnnxFunction::kTanh>},
 };

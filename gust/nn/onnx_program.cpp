@@ -1,6 +1,7 @@
 #include "gust/nn/onnx_program.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "gust/core/error.h"
@@ -88,6 +89,8 @@ void apply(const OnnxMap& map, std::span<const float> from, float* to) {
       return map_all(from, to, [](float x) { return static_cast<float>(softplus(x)); });
     case OnnxFunction::kExp:
       return map_all(from, to, [](float x) { return static_cast<float>(exp(double{x})); });
+    case OnnxFunction::kSqrt:
+      return map_all(from, to, [](float x) { return std::sqrt(x); });
     case OnnxFunction::kClip:
       return map_all(from, to, clip);
   }
@@ -103,6 +106,10 @@ void apply(OnnxArithmetic arithmetic, const float* left, const float* right, std
       return combine_all(left, right, to, [](float x, float y) { return x * y; });
     case OnnxArithmetic::kDiv:
       return combine_all(left, right, to, [](float x, float y) { return x / y; });
+    case OnnxArithmetic::kMin:
+      return combine_all(left, right, to, [](float x, float y) { return x <= y || x != x ? x : y; });
+    case OnnxArithmetic::kMax:
+      return combine_all(left, right, to, [](float x, float y) { return x >= y || x != x ? x : y; });
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace gust {
 
-enum class OnnxFunction { kTanh, kRelu, kLeakyRelu, kElu, kSigmoid, kSoftplus, kExp, kClip };
-enum class OnnxArithmetic { kAdd, kSub, kMul, kDiv };
+enum class OnnxFunction { kTanh, kRelu, kLeakyRelu, kElu, kSigmoid, kSoftplus, kExp, kSqrt, kClip };
+enum class OnnxArithmetic { kAdd, kSub, kMul, kDiv, kMin, kMax };
 
 /// to = from W + b, for each of `rows` rows of a lane. W lies input by input, outputs side by side; no bias is zeros.
 struct OnnxDense {
