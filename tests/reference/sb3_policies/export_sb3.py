@@ -36,12 +36,15 @@ class Deterministic(torch.nn.Module):
         return self.network(observation, **self.options)
 
 
+def small_actor(kind):
+    return kind("MlpPolicy", Space(), seed=1, policy_kwargs={"net_arch": [32, 32]}).policy.actor
+
+
 def main():
-    actors = {"policy_kwargs": {"net_arch": [32, 32]}, "seed": 1}
     policies = {
         "ppo": Deterministic(PPO("MlpPolicy", Space(), seed=1).policy, deterministic=True),
-        "sac": Deterministic(SAC("MlpPolicy", Space(), **actors).policy.actor, deterministic=True),
-        "td3": Deterministic(TD3("MlpPolicy", Space(), **actors).policy.actor),
+        "sac": Deterministic(small_actor(SAC), deterministic=True),
+        "td3": Deterministic(small_actor(TD3)),
     }
     observations = torch.rand((OBSERVATIONS, 4), generator=torch.Generator().manual_seed(7)) * 4 - 2
     columns = [observations.numpy()]
