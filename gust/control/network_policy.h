@@ -3,12 +3,12 @@
 #include <memory>
 
 #include "gust/control/policy.h"
-#include "gust/nn/mlp.h"
+#include "gust/nn/onnx.h"
 
 namespace gust {
 
-/// The policy of a network whose inputs are the observation and whose outputs are the action: observations are rounded
-/// to float32, as the networks were trained, and the action is what comes out, not clipped.
-std::unique_ptr<Policy> network_policy(Mlp<float> network);
+/// The policy of a network whose inputs are the observation and whose outputs are the action. Observations are rounded
+/// to float32, as networks are trained; the action is what comes out, not clipped. A NaN goes in and comes out.
+std::unique_ptr<Policy> network_policy(OnnxModel model);
 
 }  // namespace gust

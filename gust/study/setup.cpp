@@ -46,6 +46,8 @@ void agree_on_tap_point(Table& options, const Entry<Plant>& entry, Readings& rea
                  entry.name, ", which has no choice");
 }
 
+}  // namespace
+
 Setup make_setup(const Table& plant, const Table* readings) {
   const Value* kind = plant.find("kind");
   if (kind == nullptr) throw error_at(plant.place, "a plant needs a 'kind': ", join(plants().names(), ", "));

@@ -1,0 +1,102 @@
+#include "gust/study/policies.h"
+
+#include <doctest/doctest.h>
+
+#include "gust/nn/onnx.h"
+
+namespace gust {
+namespace {
+
+Setup cartpole() {
+  Table plant;
+  plant.set("kind", {std::string("cartpole"), {}});
+  return make_setup(plant);
+}
+
+/// A linear policy whose action is the sum of its inputs, times two.
+std::string policy_file(std::size_t inputs, const OnnxMetadata& metadata = {}, std::size_t outputs = 1) {
+  Mlp<float> mlp(MlpShape{.sizes = {inputs, outputs}});
+  for (std::size_t i = 0; i < inputs; ++i) mlp.weight(0, 0, i) = 2.0f;
+  return write_onnx(mlp, metadata);
+}
+
+std::string error_of(const std::string& bytes) {
+  try {
+    onnx_policy(bytes, "p.onnx", cartpole());
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST_CASE("an ONNX policy sees the observation in float32 and leaves its action as it is") {
+  const auto policy = onnx_policy(policy_file(4), "p.onnx", cartpole());
+  Matrix<double> observation(4, 3);
+  observation.at(0, 0) = 100.0;
+  observation.at(1, 1) = 0.1;
+  observation.at(3, 2) = std::numeric_limits<double>::quiet_NaN();
+  Matrix<double> action(1, 3);
+
+  policy->act(observation.view(), action.view());
+
+  CHECK(action.at(0, 0) == 200.0);
+  CHECK(action.at(0, 1) == 2.0 * static_cast<double>(0.1f));
+  CHECK(std::isnan(action.at(0, 2)));
+}
+
+TEST_CASE("an ONNX policy acts on a lane as if it were alone") {
+  Mlp<float> mlp(MlpShape{.sizes = {4, 64, 64, 1}});
+  const Rng rng(1);
+  for (std::size_t i = 0; i < mlp.parameters().size(); ++i) mlp.parameters()[i] = static_cast<float>(rng.normal(i));
+  const std::string bytes = write_onnx(mlp, {});
+  constexpr std::size_t kLanes = 131;
+  Matrix<double> observation(4, kLanes);
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) observation.at(i, lane) = rng.normal(10'000 + i * kLanes + lane);
+  }
+  Matrix<double> together(1, kLanes);
+  onnx_policy(bytes, "p.onnx", cartpole())->act(observation.view(), together.view());
+
+  const auto policy = onnx_policy(bytes, "p.onnx", cartpole());
+  bool equal = true;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    Matrix<double> one(4, 1), action(1, 1);
+    for (std::size_t i = 0; i < 4; ++i) one.at(i, 0) = observation.at(i, lane);
+    policy->act(one.view(), action.view());
+    equal = equal && action.at(0, 0) == together.at(0, lane);
+  }
+
+  CHECK(equal);
+}
+
+TEST_CASE("an ONNX policy that does not fit the plant is an error that names the file") {
+  CHECK(error_of(policy_file(6)) ==
+        "p.onnx: the policy takes 6 numbers; the plant cartpole is observed by 4 (x, x_dot, theta, theta_dot)");
+  CHECK(error_of(policy_file(4, {}, 2)) == "p.onnx: the policy gives 2 numbers; the plant cartpole takes 1 (force)");
+  CHECK(error_of("no protobuf").substr(0, 8) == "p.onnx: ");
+}
+
+TEST_CASE("metadata of a policy must not contradict the setup, and may be missing") {
+  CHECK(error_of(policy_file(4)) == "no error");
+  CHECK(error_of(policy_file(4, {{"gust.plant", "cartpole"}, {"gust.preset", "scg-2022"}, {"author", "me"}})) ==
+        "no error");
+  CHECK(error_of(policy_file(4, {{"gust.preset", "scg-default"}})) ==
+        "p.onnx: the policy was made for the preset 'scg-default' (gust.preset in its metadata), not for 'scg-2022'");
+  CHECK(error_of(policy_file(4, {{"gust.plant", "quadrotor"}})).find("for the plant 'quadrotor'") != std::string::npos);
+  CHECK(error_of(policy_file(4, {{"gust.units", "N"}})).find("for the action unit 'N'") != std::string::npos);
+}
+
+TEST_CASE("policies without a file are known by their names") {
+  const Setup setup = cartpole();
+
+  CHECK(make_policy("zero", setup)->actions() == 1);
+  CHECK(make_policy("lqr", setup)->observations() == 4);
+  CHECK_THROWS_WITH_AS(make_policy("pd", setup), "gust: the plant cartpole has no policy 'pd'; try lqr or zero", Error);
+  CHECK_THROWS_WITH_AS(make_policy("lqrr", setup),
+                       "gust: unknown policy 'lqrr'; did you mean 'lqr'?; policies are lqr, zero, or a file that ends "
+                       "in .onnx",
+                       Error);
+}
+
+}  // namespace
+}  // namespace gust
