@@ -1,0 +1,55 @@
+#include "gust/agents/learning_curve.h"
+
+#include <cmath>
+
+#include "gust/agents/lanes.h"
+#include "gust/control/episode.h"
+
+namespace gust {
+namespace {
+
+constexpr std::size_t kEpisodes = 10;
+
+}  // namespace
+
+CurvePoint measure_actor(const TrainingTask& task, const Mlp<float>& actor, Rng rng) {
+  const PlantSpec& spec = task.plant->spec();
+  MlpWorkspace<float> workspace(actor.shape(), kEpisodes);
+  Buffer<float> observation(kEpisodes * spec.state.size());
+  ClosedLoop loop(*task.plant, task.readings, {}, kEpisodes);
+  EpisodeMeter meter(spec, kEpisodes);
+  Matrix<double> action(spec.action.size(), kEpisodes);
+  for (std::size_t lane = 0; lane < kEpisodes; ++lane) {
+    loop.begin(lane, {.state = random_start(spec, rng.split(lane)), .parameters = nominal_parameters(spec)});
+  }
+  for (std::int64_t k = 0; k < spec.steps; ++k) {
+    to_lanes(loop.observation(), observation);
+    to_rows(workspace.forward(actor, observation), action.view());
+    loop.step(action.view());
+    meter.record(loop);
+  }
+
+  CurvePoint point;
+  double squares = 0.0;
+  for (std::size_t lane = 0; lane < kEpisodes; ++lane) {
+    const EpisodePart& part = meter.episode(lane).ended;
+    const auto length = static_cast<double>(part.steps);
+    point.return_mean += part.return_sum / kEpisodes;
+    squares += part.return_sum * part.return_sum / kEpisodes;
+    point.length_mean += length / kEpisodes;
+    point.anr += part.return_sum / length / kEpisodes;
+    point.anr_h += part.return_sum / static_cast<double>(spec.steps) / kEpisodes;
+    point.rmse_scg += std::sqrt(part.squared_masked_error / length) / kEpisodes;
+  }
+  point.return_std = std::sqrt(std::max(squares - point.return_mean * point.return_mean, 0.0));
+  return point;
+}
+
+void LearningCurve::follow(const Mlp<float>& actor, std::int64_t steps, bool last) {
+  const std::int64_t passed = points_.empty() ? -1 : points_.back().steps / kStepsBetweenPoints;
+  if (steps / kStepsBetweenPoints == passed && !last) return;
+  points_.push_back(measure_actor(task_, actor, rng_.split(points_.size())));
+  points_.back().steps = steps;
+}
+
+}  // namespace gust
