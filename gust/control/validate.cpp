@@ -142,15 +142,15 @@ void check_loop(const Recording& recording, Validation& result) {
   }
 }
 
-/// The first error of a list beyond a tolerance, as a sentence.
+/// The largest error of a list, as a sentence, if it is beyond a tolerance.
 std::string fault_in(const std::vector<WorstError>& errors, const PlantSpec& spec, double tolerance,
                      std::string_view mode) {
-  for (std::size_t i = 0; i < errors.size(); ++i) {
-    if (errors[i].error <= tolerance) continue;
-    return fmt::format("{} is off by {:.2g} {} at k = {} ({})", spec.state[i].name, errors[i].error, spec.state[i].unit,
-                       errors[i].record, mode);
-  }
-  return {};
+  const auto by_size = [](const WorstError& a, const WorstError& b) { return a.error < b.error; };
+  const auto worst = std::max_element(errors.begin(), errors.end(), by_size);
+  if (worst == errors.end() || worst->error <= tolerance) return {};
+  const Component& state = spec.state[static_cast<std::size_t>(worst - errors.begin())];
+  return fmt::format("{} is off by {:.2g} {} at k = {} ({})", state.name, worst->error, state.unit, worst->record,
+                     mode);
 }
 
 std::string fault_of(const Validation& result, const PlantSpec& spec, const Tolerances& tolerances) {

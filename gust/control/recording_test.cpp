@@ -1,0 +1,151 @@
+#include "gust/control/recording.h"
+
+#include "gust/control/recording_files_test.h"
+
+using namespace gust;
+
+namespace {
+
+const RecordingText& noisy() {
+  static const RecordingText text = recording_text("d_cp_lqr_noise_50_50");
+  return text;
+}
+
+std::string error_of_json(const std::string& from, const std::string& to) {
+  return reading_error({replaced(noisy().json, from, to), noisy().csv});
+}
+
+std::string error_of_csv(const std::string& from, const std::string& to) {
+  return reading_error({noisy().json, replaced(noisy().csv, from, to)});
+}
+
+}  // namespace
+
+TEST_CASE("a recording holds what its files say") {
+  const Recording recording = recording_text("d_cp_lqr_15_750").read();
+
+  CHECK(recording.name == "d_cp_lqr_15_750");
+  CHECK(recording.policy == "lqr");
+  CHECK(recording.gain(0, 2) == -39.70884580498759);
+  CHECK(recording.steps() == 150);
+  CHECK(recording.plant->spec().physics_rate == 750);
+  CHECK(recording.plant->spec().control_rate == 15);
+  CHECK(recording.plant->spec().normalized_action);
+  CHECK(recording.plant->spec().state_weights == std::vector<double>{1, 1, 1, 1});
+  CHECK(recording.error_weights == std::vector<double>{1, 0, 1, 0});
+  CHECK(recording.state.at(1, 0) == -1.5);
+  CHECK(recording.state.at(2, 1) == -0.09040132590458172);
+  CHECK(recording.command.at(0, 1) == -0.5924794735409222);
+  CHECK(recording.physical.at(0, 1) == -5.924794735409222);
+  CHECK(recording.outcome.at(static_cast<std::size_t>(Recorded::kReward), 2) == 0.00300808873398766);
+  CHECK(recording.outcome.at(static_cast<std::size_t>(Recorded::kTimeLimit), 150) == 1);
+}
+
+TEST_CASE("line ends of other systems, a byte order mark, other columns and keys change nothing") {
+  RecordingText text = noisy();
+  std::string csv = "\xef\xbb\xbf";
+  for (const char letter : text.csv) csv += letter == '\n' ? ",note, of somebody\r\n" : std::string(1, letter);
+  text.csv = csv;
+  text.json = replaced(text.json, "{", "{\"operator\": \"somebody\", \"shift\": {\"from\": [8, null_]}, ");
+  text.json = replaced(text.json, ", null_", "");
+
+  const Recording recording = text.read();
+
+  CHECK(recording.state.at(3, 250) == noisy().read().state.at(3, 250));
+}
+
+TEST_CASE("what is wrong in the JSON file is told with line and column") {
+  CHECK(error_of_json("\"cartpole\"", "\"cartpol\"") ==
+        "log.json:3:11: unknown plant 'cartpol'; did you mean 'cartpole'?; known are cartpole");
+  CHECK(error_of_json("\"cartpole\"", "\"quad2d\"") == "log.json:3:11: unknown plant 'quad2d'; known are cartpole");
+  CHECK(error_of_json("\"ctrl_freq\"", "\"ctrl_frq\"") ==
+        "log.json:1:1: 'ctrl_freq' is missing; is it the one called 'ctrl_frq'? (gust validate --help)");
+  CHECK(error_of_json("\"pyb_freq\": 50", "\"pyb_freq\": 75") ==
+        "log.json:5:14: 'pyb_freq' must be 1, 2, … 1000000 times 'ctrl_freq', got 75 and 50");
+  CHECK(error_of_json("\"ctrl_freq\": 50", "\"ctrl_freq\": 0") == "log.json:4:15: 'ctrl_freq' must be > 0, got 0");
+  CHECK(error_of_json("\"ctrl_freq\": 50", "\"ctrl_freq\": \"50\"") ==
+        "log.json:4:15: 'ctrl_freq' must be a number, got text");
+  CHECK(error_of_json("\"steps\": 250", "\"steps\": 250.5") ==
+        "log.json:6:11: 'steps' must be a whole number, got 250.5");
+  CHECK(error_of_json("\"steps\": 250", "\"steps\": 1000000000000") ==
+        "log.json:6:11: 'steps' must be 1 to 200000, got 1000000000000");
+  CHECK(error_of_json("\"pole_mass\": 0.1", "\"pole_mass\": -0.1") ==
+        "log.json:10:16: 'pole_mass' must be > 0, got -0.1");
+  CHECK(error_of_json("\"pole_mass\": 0.1", "\"pole_mas\": 0.1") ==
+        "log.json:8:18: 'plant_params' lacks 'pole_mass' [kg]");
+  CHECK(error_of_json("\"pole_mass\": 0.1", "\"pole_mass\": 0.1, \"friction\": 1")
+            .starts_with("log.json:10:33: unknown key 'friction' in cartpole"));
+  CHECK(error_of_json("\"pole_mass\": 0.1", "\"pole_mass\": 0.1, \"goal\": [0, 0, 0, 0]") ==
+        "log.json:10:29: 'goal' is no parameter of the plant");
+  CHECK(error_of_json("\"rew_act_weight\": 0.0001", "\"rew_act_weight\": [1, 2]")
+            .find("'rew_act_weight' must have 1 numbers, got 2") != std::string::npos);
+  CHECK(error_of_json("  -2.7897487517612585,\n", "").find("'lqr_gain' must have 4 numbers, got 3") !=
+        std::string::npos);
+  CHECK(error_of_json("   -10.0", "   -12.0").find("'action_bounds' must be [[-limit], [limit]]") != std::string::npos);
+  CHECK(error_of_json("\"stabilization\"", "\"traj_tracking\"").find("'task' must be \"stabilization\"") !=
+        std::string::npos);
+  CHECK(error_of_json("\"u_goal\": [\n  0.0", "\"u_goal\": [\n  1.0").find("'u_goal' must be [0]") !=
+        std::string::npos);
+  CHECK(error_of_json("\"type\": \"lqr\"", "\"kind\": \"lqr\"").find("'type' is missing") != std::string::npos);
+}
+
+TEST_CASE("what is wrong in the CSV file is told with line and column") {
+  CHECK(error_of_csv("theta_dot", "theta_dt") ==
+        "log.csv:1:1: the column 'theta_dot' is missing; is it the one called 'theta_dt'? (gust validate --help)");
+  CHECK(error_of_csv("sq_err", "reward") == "log.csv:1:1: the column 'reward' is there 2 times");
+  CHECK(error_of_csv("\n1,0.02,0.661566412764941,", "\n1,0.02,none,") ==
+        "log.csv:3:8: 'a_raw' must be a finite number, got 'none'");
+  CHECK(error_of_csv("\n1,0.02,0.661566412764941,", "\n1,0.02,nan,") ==
+        "log.csv:3:8: 'a_raw' must be a finite number, got 'nan'");
+  CHECK(error_of_csv("\n1,0.02,0.661566412764941,", "\n1,0.02,1e999,") ==
+        "log.csv:3:8: 'a_raw' must be a finite number, got '1e999'");
+  CHECK(error_of_csv("\n1,0.02,0.661566412764941,", "\n1,0.02,,") ==
+        "log.csv:3:8: 'a_raw' must be a finite number, got ''");
+  CHECK(error_of_csv("\n1,0.02,", "\n1,") == "log.csv:3:1: 22 cells; the header has 23");
+  CHECK(error_of_csv("\n1,0.02,", "\n2,0.02,") == "log.csv:3:1: 'k' must be 1, the number of the record, got 2");
+  CHECK(error_of_csv("\n1,0.02,", "\n1,0.04,") == "log.csv:3:3: 't' must be 0.02 (k / ctrl_freq), got 0.04");
+  CHECK(error_of_csv("0.0,0.0,0.03,0.0,", "0.0,0.0,0.04,0.0,") ==
+        "log.csv:2:23: 'theta' must be 0.03 as in 'init_state', got 0.04");
+  CHECK(error_of_csv(",0,0,0\n1,", ",0,0,2\n1,").find("'timelimit' must be 0 or 1, got 2") != std::string::npos);
+}
+
+TEST_CASE("every column and every key that the help calls necessary is missed when it is not there") {
+  const std::string header = noisy().csv.substr(0, noisy().csv.find('\n'));
+  std::size_t columns = 0;
+  std::size_t keys = 0;
+
+  for (const std::string& column : split_text(header, ',')) {
+    std::string names = "," + header + ",";
+    names = replaced(names, "," + column + ",", ",something_else,");
+    const std::string csv = names.substr(1, names.size() - 2) + noisy().csv.substr(header.size());
+    CHECK(reading_error({noisy().json, csv}).find(cat("the column '", column, "' is missing")) != std::string::npos);
+    ++columns;
+  }
+  const std::string format = recording_format();
+  const std::string needed = format.substr(0, format.find("and may hold"));
+  for (const std::string& line : split_text(needed, '\n')) {
+    if (!line.starts_with("  ")) continue;
+    const std::string key = line.substr(2, line.find(' ', 2) - 2);
+    const std::string json = replaced(noisy().json, cat("\"", key, "\":"), "\"something_else\":");
+    CHECK(reading_error({json, noisy().csv}).find(cat("'", key, "' is missing")) != std::string::npos);
+    ++keys;
+  }
+
+  CHECK(columns == 23);
+  CHECK(keys == 15);
+}
+
+TEST_CASE("files that are cut off anywhere give one error and never a recording") {
+  for (std::size_t size = 0; size + 2 < noisy().json.size(); size += 13) {
+    REQUIRE(reading_error({noisy().json.substr(0, size), noisy().csv}).starts_with("log.json:"));
+  }
+  for (std::size_t size = 0; size + 20 < noisy().csv.size(); size += 997) {
+    REQUIRE(reading_error({noisy().json, noisy().csv.substr(0, size)}).starts_with("log.csv:"));
+  }
+}
+
+TEST_CASE("too many records, too many integration steps and a huge count are refused before any work") {
+  CHECK(error_of_json("\"steps\": 250", "\"steps\": 249") ==
+        "log.csv: 251 records below the header; 'steps' of its JSON file asks for 250, the reset and one a step");
+  CHECK(error_of_json("\"pyb_freq\": 50", "\"pyb_freq\": 49999950").find("asks for more than") != std::string::npos);
+}
