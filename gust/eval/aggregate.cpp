@@ -115,7 +115,7 @@ Interval mean_of(std::span<const Cell> tasks, Transform transform, Bootstrap& bo
 
 }  // namespace
 
-double evaluate(Statistic statistic, std::span<const double> values) {
+double aggregate(Statistic statistic, std::span<const double> values) {
   switch (statistic) {
     case Statistic::mean:
       return mean(values);
@@ -154,12 +154,12 @@ Unit unit_of(const Cell& cell) {
 
 Interval interval(std::span<const Cell> tasks, Statistic statistic, Bootstrap& bootstrap) {
   const Sample sample = sample_of(tasks);
-  if (!resamples_exist(sample, tasks)) return without_bounds(sample, evaluate(statistic, sample.runs));
+  if (!resamples_exist(sample, tasks)) return without_bounds(sample, aggregate(statistic, sample.runs));
   if (sample.unit == Unit::seeds) {
     return over_seeds(sample, sample.runs, dropped_values(statistic, sample.runs.size()), bootstrap);
   }
   return over_episodes(
-      tasks, [&](std::span<const double> runs) { return evaluate(statistic, runs); }, bootstrap);
+      tasks, [&](std::span<const double> runs) { return aggregate(statistic, runs); }, bootstrap);
 }
 
 Interval interval(const Cell& cell, Statistic statistic, Bootstrap& bootstrap) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,11 @@ namespace gust {
 /// there is one training only, has one row. Lanes are episodes that may truly differ: where start and disturbance are
 /// fixed, so that all episodes would be the same one, pass a single lane.
 using Cell = Rows<const double>;
+
+/// A cell over values that lie seed after seed; as many episodes each as there are values for.
+inline Cell cell_of(std::span<const double> values, std::size_t seeds) {
+  return {values.data(), seeds, values.size() / seeds, values.size() / seeds};
+}
 
 /// What an interval was resampled over, that is, what it lets you generalise to.
 enum class Unit {

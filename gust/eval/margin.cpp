@@ -97,7 +97,7 @@ Margin margin(const Curve& curve, const MarginRule& rule, Bootstrap& bootstrap) 
   for (std::size_t level = 0; level < curve.levels.size(); ++level) {
     const auto units = scores.values.row(level);
     finite = finite && all_finite(units);
-    means[level] = scores.unit == Unit::seeds ? evaluate(rule.statistic, units) : mean(units);
+    means[level] = scores.unit == Unit::seeds ? aggregate(rule.statistic, units) : mean(units);
   }
   result.level = {.unit = scores.unit, .n = scores.values.lanes()};
   if (!finite) return result;
@@ -140,9 +140,7 @@ std::vector<double> areas(const Curve& curve) {
 Interval area(const Curve& curve, Bootstrap& bootstrap) {
   const std::vector<double> values = areas(curve);
   const bool seeds = curve.cells.front().rows > 1;
-  const Cell cell =
-      seeds ? Cell{values.data(), values.size(), 1, 1} : Cell{values.data(), 1, values.size(), values.size()};
-  return interval(cell, Statistic::mean, bootstrap);
+  return interval(cell_of(values, seeds ? values.size() : 1), Statistic::mean, bootstrap);
 }
 
 }  // namespace gust

@@ -22,7 +22,8 @@ std::vector<double> sorted(std::span<const double> values) {
 
 /// From a to b as t goes from 0 to 1, rounded as numpy.quantile does it.
 double between(double a, double b, double t) {
-  if (a == b || t == 0.0) return a;  // also keeps infinite neighbours from giving NaN
+  if (a == b || t == 0.0) return a;
+  if (std::isinf(a) || std::isinf(b)) return std::isinf(b) ? b : a;  // the formula would give NaN
   return t < 0.5 ? a + (b - a) * t : b - (b - a) * (1.0 - t);
 }
 

@@ -1,0 +1,197 @@
+#include "gust/eval/aggregate.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "gust/eval/statistics.h"
+
+namespace gust {
+namespace {
+
+TEST_CASE("8.8.4 the bootstrap of equal values has no width") {
+  Bootstrap bootstrap(Rng(1));
+  const std::vector<double> values(10, 0.1);  // ten tenths do not add up to one in binary
+
+  for (const Statistic statistic : {Statistic::mean, Statistic::median, Statistic::iqm}) {
+    const Interval found = interval(cell_of(values, 10), statistic, bootstrap);
+
+    CHECK(found.estimate == 0.1);
+    CHECK(found.low == 0.1);
+    CHECK(found.high == 0.1);
+    CHECK(found.unit == Unit::seeds);
+    CHECK(found.n == 10);
+  }
+}
+
+TEST_CASE("8.8.4 intervals of the mean of ten normal values cover it in 88 to 96 of 100 trials") {
+  constexpr std::size_t kTrials = 2'000;
+  Bootstrap bootstrap(Rng(2));
+  const Rng normal = Rng(3).split("coverage");
+
+  std::size_t covered = 0;
+  for (std::size_t trial = 0; trial < kTrials; ++trial) {
+    std::array<double, 10> values;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = normal.normal(trial * values.size() + i);
+    const Interval found = interval(cell_of(values, values.size()), Statistic::mean, bootstrap);
+    covered += found.low <= 0.0 && 0.0 <= found.high ? 1 : 0;
+  }
+
+  const double coverage = static_cast<double>(covered) / kTrials;
+  CHECK(coverage >= 0.88);
+  CHECK(coverage <= 0.96);
+}
+
+TEST_CASE("episodes are averaged within their seed before anything else") {
+  Bootstrap bootstrap(Rng(4));
+  const std::vector<double> nested = {0.0, 2.0, 3.0, 5.0, -8.0, 8.0};  // three seeds of two episodes
+  const std::vector<double> averaged = {1.0, 4.0, 0.0};
+
+  const Interval of_nested = interval(cell_of(nested, 3), Statistic::median, bootstrap);
+  const Interval of_averaged = interval(cell_of(averaged, 3), Statistic::median, bootstrap);
+
+  CHECK(of_nested.estimate == 1.0);
+  CHECK(of_nested.low == of_averaged.low);
+  CHECK(of_nested.high == of_averaged.high);
+  CHECK(of_nested.n == 3);
+}
+
+TEST_CASE("three seeds give an interval from the least to the greatest") {
+  Bootstrap bootstrap(Rng(5));
+  const std::vector<double> values = {0.25, -1.0, 7.0};
+
+  const Interval found = interval(cell_of(values, 3), Statistic::mean, bootstrap);
+
+  // All three draws fall on the same seed in 1 of 27 resamples, which is more than 2.5 of 100.
+  CHECK(found.low == -1.0);
+  CHECK(found.high == 7.0);
+}
+
+TEST_CASE("a single seed gives an interval over episodes, which says so") {
+  Bootstrap bootstrap(Rng(6));
+  const std::vector<double> episodes = {1.0, 2.0, 3.0, 4.0, 10.0};
+
+  const Interval found = interval(cell_of(episodes, 1), Statistic::mean, bootstrap);
+  const Interval iqm_found = interval(cell_of(episodes, 1), Statistic::iqm, bootstrap);
+
+  CHECK(found.unit == Unit::episodes);
+  CHECK(found.n == 5);
+  CHECK(found.estimate == 4.0);
+  CHECK(found.low < 4.0);
+  CHECK(found.high > 4.0);
+  CHECK(iqm_found.estimate == 4.0);  // the statistic is of seeds, and there is one
+  CHECK(iqm_found.high == found.high);
+}
+
+TEST_CASE("a single value has no interval") {
+  Bootstrap bootstrap(Rng(7));
+  const std::vector<double> value = {0.5};
+
+  const Interval found = interval(cell_of(value, 1), Statistic::mean, bootstrap);
+
+  CHECK(found.estimate == 0.5);
+  CHECK(std::isnan(found.low));
+  CHECK(std::isnan(found.high));
+  CHECK(found.unit == Unit::none);
+  CHECK(found.n == 1);
+}
+
+TEST_CASE("a value that is not finite leaves the estimate to arithmetic and gives no interval") {
+  Bootstrap bootstrap(Rng(8));
+  const std::vector<double> with_nan = {1.0, std::numeric_limits<double>::quiet_NaN(), 2.0, 3.0};
+  const std::vector<double> with_infinity = {1.0, std::numeric_limits<double>::infinity(), 2.0, 3.0};
+
+  for (const std::size_t seeds : {std::size_t{1}, std::size_t{4}}) {
+    const Interval nan_found = interval(cell_of(with_nan, seeds), Statistic::mean, bootstrap);
+    const Interval infinite = interval(cell_of(with_infinity, seeds), Statistic::mean, bootstrap);
+
+    CHECK(std::isnan(nan_found.estimate));
+    CHECK(std::isnan(nan_found.low));
+    CHECK(infinite.estimate == std::numeric_limits<double>::infinity());
+    CHECK(std::isnan(infinite.high));
+  }
+}
+
+TEST_CASE("a single seed's tasks are resampled by their episodes, each task by itself") {
+  Bootstrap bootstrap(Rng(9));
+  const std::vector<double> easy = {0.5, 0.5, 0.5};
+  const std::vector<double> hard = {0.0, 1.0, 0.5};
+  const std::array tasks = {cell_of(easy, 1), cell_of(hard, 1)};
+
+  const Interval found = interval(tasks, Statistic::mean, bootstrap);
+
+  // Three draws of the hard task are all 0 or all 1 in 1 of 27 resamples; the easy one does not move.
+  CHECK(found.unit == Unit::episodes);
+  CHECK(found.estimate == 0.5);
+  CHECK(found.low == 0.25);
+  CHECK(found.high == 0.75);
+}
+
+TEST_CASE("a task with one seed beside others with more is held fixed") {
+  Bootstrap bootstrap(Rng(10));
+  const std::vector<double> fixed = {6.0};
+  const std::vector<double> varying = {0.0, 3.0};
+  const std::array tasks = {cell_of(fixed, 1), cell_of(varying, 2)};
+
+  const Interval found = interval(tasks, Statistic::mean, bootstrap);
+
+  CHECK(found.estimate == 3.0);
+  CHECK(found.low == 2.0);
+  CHECK(found.high == 4.0);
+  CHECK(found.n == 2);
+}
+
+TEST_CASE("any statistic can be bootstrapped, and agrees with the fast way where there is one") {
+  Bootstrap bootstrap(Rng(11));
+  const std::vector<double> left = {1.0, 4.0, 2.0, 8.0, 5.0};
+  const std::vector<double> right = {3.0, 0.0, 7.0, 7.0, 1.0};
+  const std::array seeds = {cell_of(left, 5), cell_of(right, 5)};
+  const std::array episodes = {cell_of(left, 1), cell_of(right, 1)};
+
+  for (const auto& tasks : {seeds, episodes}) {
+    const Interval fast = interval(tasks, Statistic::iqm, bootstrap);
+    const Interval general = interval(
+        tasks, [](std::span<const double> values) { return iqm(values); }, bootstrap);
+
+    // The sums differ in order: a few roundings of numbers below ten.
+    CHECK(general.estimate == doctest::Approx(fast.estimate).epsilon(1e-14));
+    CHECK(general.low == doctest::Approx(fast.low).epsilon(1e-14));
+    CHECK(general.high == doctest::Approx(fast.high).epsilon(1e-14));
+  }
+}
+
+TEST_CASE("the performance profile is the share of runs above each threshold") {
+  Bootstrap bootstrap(Rng(12));
+  const std::vector<double> values = {0.1, 0.4, 0.4, 0.9};
+
+  const auto profile = performance_profile(std::array{cell_of(values, 4)}, std::array{0.0, 0.4, 1.0}, bootstrap);
+
+  REQUIRE(profile.size() == 3);
+  CHECK(profile[0].estimate == 1.0);
+  CHECK(profile[0].low == 1.0);
+  CHECK(profile[1].estimate == 0.25);
+  CHECK(profile[1].low == 0.0);
+  CHECK(profile[1].high == 0.75);
+  CHECK(profile[2].estimate == 0.0);
+  CHECK(profile[2].high == 0.0);
+}
+
+TEST_CASE("intervals do not depend on what was asked before") {
+  Bootstrap fresh(Rng(13));
+  Bootstrap used(Rng(13));
+  const std::vector<double> values = {1.0, 4.0, 2.0, 8.0, 5.0, 7.0};
+
+  interval(cell_of(values, 3), Statistic::mean, used);
+  interval(cell_of(values, 1), Statistic::mean, used);
+  const Interval later = interval(cell_of(values, 6), Statistic::iqm, used);
+  const Interval first = interval(cell_of(values, 6), Statistic::iqm, fresh);
+
+  CHECK(later.low == first.low);
+  CHECK(later.high == first.high);
+}
+
+}  // namespace
+}  // namespace gust

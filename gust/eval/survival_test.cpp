@@ -1,0 +1,81 @@
+#include "gust/eval/survival.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "gust/core/error.h"
+#include "gust/eval/aggregate.h"
+
+namespace gust {
+namespace {
+
+TEST_CASE("Wilson's interval keeps its width where all survive or none does") {
+  const Interval all = wilson(25, 25);
+  const Interval none = wilson(0, 25);
+
+  // The far bound is z^2 / (n + z^2) with z^2 = 3.841459.
+  CHECK(all.high == 1.0);
+  CHECK(all.low == doctest::Approx(1.0 - 3.841458820694124 / 28.841458820694124).epsilon(1e-14));
+  CHECK(none.low == 0.0);
+  CHECK(none.high == doctest::Approx(1.0 - all.low).epsilon(1e-14));
+  CHECK(all.unit == Unit::episodes);
+  CHECK(all.n == 25);
+}
+
+TEST_CASE("survival of one seed is Wilson's interval over its episodes") {
+  Bootstrap bootstrap(Rng(1));
+  const std::vector<double> survived = {1, 1, 0, 1, 1, 1, 1, 1};
+
+  const Interval found = survival_interval(cell_of(survived, 1), bootstrap);
+
+  CHECK(found.estimate == 0.875);
+  CHECK(found.low == wilson(7, 8).low);
+  CHECK(found.high == wilson(7, 8).high);
+  CHECK(found.unit == Unit::episodes);
+}
+
+TEST_CASE("survival of seeds that differ is as wide as the bootstrap over seeds") {
+  Bootstrap bootstrap(Rng(2));
+  std::vector<double> survived(100, 1.0);  // four seeds of 25 episodes, one of which always fails
+  for (std::size_t i = 0; i < 25; ++i) survived[i] = 0.0;
+
+  const Interval found = survival_interval(cell_of(survived, 4), bootstrap);
+  const Interval seeds = interval(cell_of(survived, 4), Statistic::mean, bootstrap);
+
+  CHECK(found.estimate == 0.75);
+  CHECK(found.low == seeds.low);
+  CHECK(found.low < wilson(75, 100).low);
+  CHECK(found.high == 1.0);
+  CHECK(found.unit == Unit::seeds);
+  CHECK(found.n == 4);
+}
+
+TEST_CASE("survival of seeds that all survive is as wide as Wilson's interval") {
+  Bootstrap bootstrap(Rng(3));
+  const std::vector<double> survived(250, 1.0);
+
+  const Interval found = survival_interval(cell_of(survived, 10), bootstrap);
+
+  CHECK(found.low == wilson(250, 250).low);
+  CHECK(found.high == 1.0);
+  CHECK(found.n == 10);
+}
+
+TEST_CASE("an episode whose survival is NaN has failed") {
+  Bootstrap bootstrap(Rng(4));
+  const std::vector<double> survived = {1.0, std::numeric_limits<double>::quiet_NaN()};
+
+  CHECK(survival_interval(cell_of(survived, 1), bootstrap).estimate == 0.5);
+  CHECK(survival_interval(cell_of(survived, 2), bootstrap).estimate == 0.5);
+}
+
+TEST_CASE("a proportion of no trials is refused") {
+  CHECK_THROWS_AS(wilson(0, 0), Bug);
+  CHECK_THROWS_AS(wilson(2, 1), Bug);
+}
+
+}  // namespace
+}  // namespace gust
