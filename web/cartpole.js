@@ -2,7 +2,7 @@
 
 const cartHalf = 0.2;  // [m] half width of the drawn cart; its size is no parameter of the plant
 const cartHigh = 0.17;
-const arrowReach = 0.9;  // [m] drawn length of the largest push
+const arrowReach = 0.9;  // [m] drawn length of the largest push; a command beyond what can be applied is drawn a little longer
 
 function traceOf(list, name) {
   return list.find((trace) => trace.name === name)?.v ?? null;
@@ -29,7 +29,7 @@ function cartpoleModel(episode) {
     tap: geometry.tap_distance ?? half,
     commanded: episode.commanded[0]?.v ?? [], applied: episode.applied[0]?.v ?? [], unit: episode.applied[0]?.unit ?? '',
     seenX: pushOf(episode, 'observation', 'x'), seenTheta: pushOf(episode, 'observation', 'theta'),
-    actionReach: Math.max(geometry.action_limit ?? 0, largest([episode.commanded[0]?.v, episode.applied[0]?.v])) || 1,
+    actionReach: geometry.action_limit || largest([episode.applied[0]?.v]) || 1,
     pushReach: largest([fx, fz]) || 1,
     below: Math.max(0.42, cartHigh / 2 - lowest + 0.1), above: 2 * half + 0.3,
   };
@@ -132,7 +132,7 @@ function cartpoleScene(episode, width) {
     for (const wheel of parts.wheels) wheel.lastChild.setAttribute('transform', `rotate(${((x / 0.05) * 180) / Math.PI})`);
     if (sees) place(ghost, x + held(model.seenX, time), theta + held(model.seenTheta, time));
     const side = (value) => (value >= 0 ? 1 : -1) * cartHalf * scale;
-    const push = (value) => (value / model.actionReach) * arrowReach * scale;
+    const push = (value) => Math.max(-1.4, Math.min(1.4, value / model.actionReach)) * arrowReach * scale;
     const [commanded, applied] = [held(model.commanded, time), held(model.applied, time)];
     point(arrows.commanded, x * scale + side(commanded), -0.045 * scale, push(commanded), 0);
     point(arrows.applied, x * scale + side(applied), 0.04 * scale, push(applied), 0);

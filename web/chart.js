@@ -35,6 +35,7 @@ class Chart {
     this.after = () => {};
     host.classList.add('chart');
     host.setAttribute('role', 'img');
+    host.setAttribute('aria-label', describe());
     host.append(this.plot);
     chartOf.set(host, this);
     charts.add(this);
@@ -92,7 +93,7 @@ class Chart {
 
   /** Where the first view of the chart lies in the window; null before it is drawn. */
   frame(view = 0) {
-    const found = this.plot.querySelectorAll('.mark-group.role-scope > g > path.background');
+    const found = this.plot.querySelectorAll('.mark-group[class*=concat_] > g > path.background');
     const whole = this.plot.querySelector('.mark-group.role-frame > g > path.background');
     const path = found[view] ?? whole;
     return path ? path.getBoundingClientRect() : null;

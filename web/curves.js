@@ -61,7 +61,7 @@ function panelOf(index, {metric, strip, title}) {
 }
 
 function interval(curve, i) {
-  return curve.l && curve.l[i] !== null ? `${pretty(curve.v[i])} [${pretty(curve.l[i])}, ${pretty(curve.h[i])}]` : pretty(curve.v[i]);
+  return curve.l && curve.l[i] !== null && curve.l[i] < curve.h[i] ? `${pretty(curve.v[i])} [${pretty(curve.l[i])}, ${pretty(curve.h[i])}]` : pretty(curve.v[i]);
 }
 
 /** The text that stands for a panel where it cannot be seen. */

@@ -28,7 +28,7 @@ function startCopyButtons() {
 
 /** Marks in the bar the section that is being read. */
 function startBar() {
-  const links = new Map([...document.querySelectorAll('.bar .links a')].map((link) => [link.getAttribute('href').slice(1), link]));
+  const links = new Map([...document.querySelectorAll('.topbar .links a')].map((link) => [link.getAttribute('href').slice(1), link]));
   const seen = new IntersectionObserver((entries) => {
     for (const entry of entries) {
       if (!entry.isIntersecting) continue;
@@ -41,11 +41,19 @@ function startBar() {
   for (const id of links.keys()) seen.observe(document.getElementById(id));
 }
 
+/** Paper cannot unfold the study. */
+function unfoldForPrint() {
+  window.addEventListener('beforeprint', () => {
+    for (const folded of document.querySelectorAll('details.study')) folded.open = true;
+  });
+}
+
 async function start() {
   startThemeButton();
   startMargins();
   startCopyButtons();
   startBar();
+  unfoldForPrint();
   for (const key of document.querySelectorAll('.key[data-policy]')) key.replaceWith(swatch(Number(key.dataset.policy)));
   // Charts measure their texts once: the fonts must be there first.
   await Promise.all([document.fonts.load('11px Inter'), document.fonts.load('11px Inter', 'θ')]).catch(() => {});

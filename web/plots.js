@@ -31,7 +31,7 @@ function episodeGroups(episode, rates) {
     const traces = episode.disturbances.filter((push) => push.site === site);
     const units = new Set(traces.map((trace) => trace.unit));
     groups.push(group(axisTitle(`disturbance of the ${site}`, units.size === 1 ? traces[0].unit : ''),
-      traces.map((trace, i) => ({...trace, colour: channelColours[i % channelColours.length]})), rate, true));
+      traces.map((trace, i) => ({...trace, colour: channelColours[i % channelColours.length], dash: dashes[i % dashes.length]})), rate, true));
   }
   groups.push(group('reward', [{name: 'reward', v: episode.reward, colour: '--ink'}], rate, true));
   return groups;

@@ -15,7 +15,7 @@ function xAxis(width) {
 }
 
 function yAxis(height) {
-  return {tickCount: Math.max(2, Math.floor(height / 38)), grid: true, domain: false, ticks: false,
+  return {tickCount: Math.max(3, Math.floor(height / 38)), grid: true, domain: false, ticks: false,
     minExtent: yAxisWidth, maxExtent: yAxisWidth};
 }
 

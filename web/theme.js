@@ -30,6 +30,7 @@ function chartConfig(look) {
   const rule = look.colour('--rule');
   return {
     background: look === inFile ? look.colour('--paper') : null,
+    aria: false,  // a chart speaks through its host's label, not mark by mark
     font: 'Inter, system-ui, sans-serif',
     view: {stroke: null},
     axis: {

@@ -150,7 +150,7 @@ std::vector<std::string> confidence_html(const Page& page) {
   }
   if (!single.empty() && single.size() < page.policies.size()) {
     out.push_back(cat(join(single, ", "), single.size() == 1 ? " has" : " have",
-                      " one seed: no interval says how another would fare."));
+                      " one seed: its interval, if any, is over episodes, not over trainings."));
   }
   const auto censored =
       std::count_if(page.margins.begin(), page.margins.end(), [](const auto& m) { return m.censored; });
