@@ -26,7 +26,7 @@ function cartpoleModel(episode) {
   const fz = pushOf(episode, 'dynamics', 'fz');
   return {
     half, theta, fx, fz, x: traceOf(episode.states, 'x') ?? [0], limit: geometry.x_limit ?? 2.4,
-    tap: geometry.tap_distance ?? half,
+    tap: geometry.tap_distance ?? half, actionPush: episode.disturbances.find((push) => push.site === 'action')?.v ?? null,
     commanded: episode.commanded[0]?.v ?? [], applied: episode.applied[0]?.v ?? [], unit: episode.applied[0]?.unit ?? '',
     seenX: pushOf(episode, 'observation', 'x'), seenTheta: pushOf(episode, 'observation', 'theta'),
     actionReach: geometry.action_limit || largest([episode.applied[0]?.v]) || 1,
@@ -110,9 +110,9 @@ function cartpoleScene(episode, width) {
   const ghost = body(model, scale);
   const world = svgElement('g');
   const seen = svgElement('g', {class: 'seen'}, ghost.cart, ghost.pole);
-  const arrows = {commanded: arrow('commanded'), applied: arrow('applied'), push: arrow('push')};
+  const arrows = {commanded: arrow('commanded'), applied: arrow('applied'), push: arrow('push'), actionPush: arrow('push')};
   const trail = svgElement('path', {class: 'trail'});
-  world.append(track(model, scale, reach), trail, seen, parts.cart, parts.pole, parts.hinge, arrows.commanded, arrows.applied, arrows.push);
+  world.append(track(model, scale, reach), trail, seen, parts.cart, parts.pole, parts.hinge, arrows.commanded, arrows.actionPush, arrows.applied, arrows.push);
   const node = svgElement('svg', {class: 'scene', width, height, viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'Cart and pole'}, world);
   const sees = Boolean(model.seenX || model.seenTheta);
   seen.style.display = sees ? '' : 'none';
@@ -134,8 +134,10 @@ function cartpoleScene(episode, width) {
     const side = (value) => (value >= 0 ? 1 : -1) * cartHalf * scale;
     const push = (value) => Math.max(-1.4, Math.min(1.4, value / model.actionReach)) * arrowReach * scale;
     const [commanded, applied] = [held(model.commanded, time), held(model.applied, time)];
-    point(arrows.commanded, x * scale + side(commanded), -0.045 * scale, push(commanded), 0);
-    point(arrows.applied, x * scale + side(applied), 0.04 * scale, push(applied), 0);
+    const added = held(model.actionPush, time);
+    point(arrows.commanded, x * scale + side(commanded), -0.055 * scale, push(commanded), 0);
+    point(arrows.actionPush, x * scale + side(added), 0, push(added), 0);
+    point(arrows.applied, x * scale + side(applied), 0.055 * scale, push(applied), 0);
     const [px, py] = [x + model.tap * Math.sin(theta), -model.tap * Math.cos(theta)];
     const pushScale = (arrowReach * 0.7 * scale) / model.pushReach;
     point(arrows.push, px * scale, py * scale, held(model.fx, time) * pushScale, -held(model.fz, time) * pushScale);

@@ -93,9 +93,8 @@ class Chart {
 
   /** Where the first view of the chart lies in the window; null before it is drawn. */
   frame(view = 0) {
-    const found = this.plot.querySelectorAll('.mark-group[class*=concat_] > g > path.background');
-    const whole = this.plot.querySelector('.mark-group.role-frame > g > path.background');
-    const path = found[view] ?? whole;
+    const background = (group) => this.plot.querySelector(`.mark-group.${group} > g > path.background`);
+    const path = background(`concat_${view}_group`) ?? background('role-frame');
     return path ? path.getBoundingClientRect() : null;
   }
 }

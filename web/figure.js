@@ -56,7 +56,7 @@ function tableOf(rows) {
   const names = rows.length > 0 ? Object.keys(rows[0]) : [];
   const cell = (value) => element('td', {class: typeof value === 'number' ? 'number' : null}, typeof value === 'number' ? pretty(value) : value ?? '–');
   const body = rows.slice(0, tableRows).map((row) => element('tr', {}, ...names.map((name) => cell(row[name]))));
-  const table = element('table', {}, element('thead', {}, element('tr', {}, ...names.map((name) => element('th', {scope: 'col'}, name)))),
+  const table = element('table', {}, element('thead', {}, element('tr', {}, ...names.map((name) => element('th', {scope: 'col', class: typeof rows[0][name] === 'number' ? 'number' : null}, name)))),
     element('tbody', {}, ...body));
   const more = rows.length > tableRows ? [element('p', {class: 'note'}, `${rows.length - tableRows} rows more are in the CSV.`)] : [];
   return element('div', {class: 'scroll data-table', tabindex: 0, role: 'region', 'aria-label': 'Data of the figure'}, table, ...more);

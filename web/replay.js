@@ -99,7 +99,7 @@ class Replay {
   legend() {
     const entry = (kind, text) => element('span', {class: `mark ${kind}`}, text);
     this.seenEntry = entry('seen', 'as the policy sees it');
-    this.pushEntry = entry('push', 'force on the pole');
+    this.pushEntry = entry('push', 'disturbance');
     return element('p', {class: 'legend'}, entry('commanded', 'action commanded'), entry('applied', 'action applied'), this.pushEntry, this.seenEntry);
   }
 
@@ -165,7 +165,7 @@ class Replay {
     this.scrub.max = String(this.player.steps);
     this.stage.dataset.policy = episode.p;
     const sites = new Set(episode.disturbances.map((push) => push.site));
-    this.pushEntry.hidden = !sites.has('dynamics');
+    this.pushEntry.hidden = !sites.has('dynamics') && !sites.has('action');
     this.seenEntry.hidden = !sites.has('observation');
     this.stageScene();
     this.player.seek(0);

@@ -202,6 +202,9 @@ def test_the_replay_scrubs_by_slider_plot_and_keyboard(opened):
     plots = page.locator("#figure-replay .time-plots").bounding_box()
     page.mouse.click(plots["x"] + plots["width"] / 2, plots["y"] + 40)
     middle = seconds(page)
+    cursor = page.locator("#figure-replay .cursor").bounding_box()
+    assert cursor["height"] > 0.7 * plots["height"]  # through all plots
+    assert abs(cursor["x"] - plots["x"] - plots["width"] / 2) < 10
     slider.press("End")
 
     assert 0.3 * seconds(page) < middle < 0.7 * seconds(page)
