@@ -15,8 +15,7 @@ class SignalStore {
     if (evaluation_.injections.empty()) return nullptr;
     auto& signals = drawn_[static_cast<std::size_t>(episode)];
     if (!signals) {
-      signals = std::make_shared<Signals>(evaluation_.injections, evaluation_.plant->spec(),
-                                          episode_stream(evaluation_, episode));
+      signals = std::make_shared<Signals>(episode_signals(evaluation_, episode));
     }
     return signals;
   }
@@ -99,6 +98,10 @@ std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex
   const StartProtocol& protocol = evaluation.starts[index.start];
   if (!protocol.random) return protocol.state;
   return random_start(evaluation.plant->spec(), episode_stream(evaluation, index.episode));
+}
+
+Signals episode_signals(const Evaluation& evaluation, std::int64_t episode) {
+  return Signals(evaluation.injections, evaluation.plant->spec(), episode_stream(evaluation, episode));
 }
 
 Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeIndex& index) {

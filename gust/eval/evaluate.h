@@ -50,6 +50,9 @@ void evaluate(const Evaluation& evaluation, Policy& policy,
 /// The true state in which an episode of an evaluation begins.
 std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex& index);
 
+/// What disturbs an episode of an evaluation, at level 1.
+Signals episode_signals(const Evaluation& evaluation, std::int64_t episode);
+
 /// Everything that happened in one episode, step by step; columns are control steps.
 struct Trace {
   EpisodeIndex index;
