@@ -58,6 +58,11 @@ struct Value {
   std::string_view type() const;
 };
 
+// Clang has to make and destroy a Value here: std::pair, asked first, would need both before it is complete itself.
+namespace detail {
+inline Value no_value() { return {}; }
+}  // namespace detail
+
 /// An Error at a place: "study.toml:3:1: " followed by the parts.
 template <class... Parts>
 Error error_at(const Place& place, const Parts&... parts) {
