@@ -113,7 +113,8 @@ Progress::Progress(std::span<const Job> jobs) : entries_(jobs.size()) {
 }
 
 Progress::Moment Progress::now() const {
-  Moment moment = {.jobs = entries_.size()};
+  Moment moment;
+  moment.jobs = entries_.size();
   double whole = 0;
   for (const Entry& entry : entries_) {
     const bool finished = entry.finished.load();

@@ -11,8 +11,7 @@
 namespace gust {
 namespace {
 
-constexpr std::size_t kPiece = 1 << 16;    // bytes read or written at a time
-constexpr std::size_t kLongest = 1 << 30;  // bytes; a limit against /dev/zero and the like
+constexpr std::size_t kPiece = 1 << 16;  // bytes read or written at a time
 
 bool has_wildcard(std::string_view part) { return part.find_first_of("*?[") != std::string_view::npos; }
 
@@ -30,7 +29,7 @@ std::vector<std::filesystem::path> matches(const std::filesystem::path& folder, 
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& path) {
+std::string read_file(const std::filesystem::path& path, std::size_t most) {
   const Descriptor file = open_file(path, O_RDONLY);
   std::string bytes;
   while (true) {
@@ -40,7 +39,7 @@ std::string read_file(const std::filesystem::path& path) {
     bytes.resize(size + (count > 0 ? static_cast<std::size_t>(count) : 0));
     if (count < 0 && errno != EINTR) throw file_error(path, "cannot read");
     if (count == 0) return bytes;
-    if (bytes.size() > kLongest) throw Error(cat(path.string(), ": cannot read: longer than a gigabyte"));
+    if (bytes.size() > most) throw Error(cat(path.string(), ": cannot read: longer than ", most, " bytes"));
   }
 }
 

@@ -9,9 +9,9 @@
 
 namespace gust {
 
-/// The content of a file. Throws an Error that names the file and says why it cannot be read; more than a gigabyte is
-/// not a file of ours.
-std::string read_file(const std::filesystem::path& path);
+/// The content of a file. Throws an Error that names the file and says why it cannot be read. No file of ours is longer
+/// than a gigabyte; the limit is against /dev/zero and the like.
+std::string read_file(const std::filesystem::path& path, std::size_t most = std::size_t{1} << 30);
 
 /// A file that is replaced whole or not at all: written aside in the same folder, synced, renamed, the folder synced.
 ///

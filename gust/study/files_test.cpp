@@ -1,0 +1,115 @@
+#include "gust/study/files.h"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+
+#include <thread>
+
+#include "gust/study/files_test_folder.h"
+
+using namespace gust;
+
+namespace fs = std::filesystem;
+
+TEST_CASE("a file that was written reads back, and nothing else is left in its folder") {
+  const TestFolder folder;
+  const std::string bytes("a\0\nb\xff", 5);
+
+  write_file_atomically(folder / "new/deep/file.bin", bytes);
+  write_file_atomically(folder / "new/deep/file.bin", bytes + bytes);
+
+  CHECK(read_file(folder / "new/deep/file.bin") == bytes + bytes);
+  CHECK(count_below(folder.path()) == 3);
+}
+
+TEST_CASE("a file that is not committed leaves the old one as it was") {
+  const TestFolder folder;
+  put_file(folder / "file", "old");
+
+  {
+    AtomicFile file(folder / "file");
+    file.append(std::string(200'000, 'x'));
+  }
+
+  CHECK(get_file(folder / "file") == "old");
+  CHECK(count_below(folder.path()) == 1);
+}
+
+TEST_CASE("what a killed program left aside is taken over") {
+  const TestFolder folder;
+  put_file(folder / ".file.aside", "a much longer text that was never finished");
+
+  write_file_atomically(folder / "file", "new");
+
+  CHECK(get_file(folder / "file") == "new");
+  CHECK(count_below(folder.path()) == 1);
+}
+
+TEST_CASE("many writers of one file leave the whole of one of them") {
+  const TestFolder folder;
+
+  {
+    std::vector<std::jthread> writers;
+    for (char letter = 'a'; letter < 'g'; ++letter) {
+      writers.emplace_back([&, letter] {
+        for (int i = 0; i < 20; ++i) write_file_atomically(folder / "file", std::string(100'000, letter));
+      });
+    }
+  }
+
+  const std::string bytes = get_file(folder / "file");
+  CHECK(bytes == std::string(100'000, bytes.front()));
+  CHECK(count_below(folder.path()) == 1);
+}
+
+TEST_CASE("a link is followed, and what is no regular file is written directly") {
+  const TestFolder folder;
+  put_file(folder / "there/target", "old");
+  fs::create_symlink("there/target", folder / "link");
+  fs::create_symlink("/dev/null", folder / "hole");
+
+  write_file_atomically(folder / "link", "new");
+  write_file_atomically(folder / "hole", "gone");
+
+  CHECK(fs::is_symlink(folder / "link"));
+  CHECK(get_file(folder / "there/target") == "new");
+  CHECK(fs::is_character_file(fs::status(folder / "hole")));
+}
+
+TEST_CASE("errors name the file and the reason") {
+  const TestFolder folder;
+  put_file(folder / "file", "text");
+  const std::string base = folder.path().string();
+
+  CHECK(message_of([&] { read_file(folder / "none"); }) == base + "/none: cannot read: No such file or directory");
+  CHECK(message_of([&] { read_file(folder.path()); }) == base + ": cannot read: Is a directory");
+  CHECK(message_of([&] { read_file("/dev/zero", 9999); }) == "/dev/zero: cannot read: longer than 9999 bytes");
+  CHECK(message_of([&] { write_file_atomically(folder / "file/x", ""); }) ==
+        base + "/file: cannot make the folder: Not a directory");
+  CHECK(message_of([&] { write_file_atomically(folder.path(), ""); }) == base + ": cannot write: Is a directory");
+  CHECK(message_of([&] { write_file_atomically("/proc/gust-test", ""); }).starts_with("/proc/gust-test: cannot write"));
+  CHECK(message_of([&] { write_file_atomically("/dev/full", "x"); }) ==
+        "/dev/full: cannot write: No space left on device");
+}
+
+TEST_CASE("a pattern names files sorted by their bytes, relative to the base") {
+  const TestFolder folder;
+  for (const char* name : {"p/b.onnx", "p/a.onnx", "p/B.onnx", "p/.hidden.onnx", "p/c.txt", "q/a.onnx"}) {
+    put_file(folder / name, "");
+  }
+  fs::create_directories(folder / "p/folder.onnx");
+  const auto names = [&](std::string_view pattern) {
+    std::string text;
+    for (const fs::path& path : glob_files(folder.path(), pattern)) {
+      text += path.lexically_relative(folder.path()).string() + " ";
+    }
+    return text;
+  };
+
+  CHECK(names("p/*.onnx") == "p/B.onnx p/a.onnx p/b.onnx ");
+  CHECK(names("p/[ab].onnx") == "p/a.onnx p/b.onnx ");
+  CHECK(names("*/a.on?x") == "p/a.onnx q/a.onnx ");
+  CHECK(names((folder / "q/*").string()) == "q/a.onnx ");
+  CHECK(names("p/z.onnx") == "p/z.onnx ");
+  CHECK(names("z/*.onnx") == "");
+}
