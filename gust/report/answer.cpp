@@ -149,8 +149,10 @@ std::vector<std::string> confidence_html(const Page& page) {
     if (page.policies[p].seeds < 2) single.push_back(policy_html(page, p));
   }
   if (!single.empty() && single.size() < page.policies.size()) {
-    out.push_back(cat(join(single, ", "), single.size() == 1 ? " has" : " have",
-                      " one seed: its interval, if any, is over episodes, not over trainings."));
+    const bool one = single.size() == 1;
+    out.push_back(cat(join(single, ", "),
+                      one ? " has one seed: its interval, if any, is" : " have one seed: their intervals, if any, are",
+                      " over episodes, not over trainings."));
   }
   const auto censored =
       std::count_if(page.margins.begin(), page.margins.end(), [](const auto& m) { return m.censored; });

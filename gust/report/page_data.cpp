@@ -7,6 +7,7 @@
 #include <map>
 
 #include "gust/core/error.h"
+#include "gust/core/text.h"
 #include "gust/report/json_writer.h"
 
 namespace gust {
@@ -36,16 +37,20 @@ class Shelves {
  public:
   explicit Shelves(std::size_t room) : room_(room) {}
 
-  /// Puts a value in a list; where there is no room, counts it under `what`.
-  void put(const std::string& list, std::string value, const std::string& what) {
-    if (value.size() > room_) {
-      ++left_out_[what];
+  /// Puts values in a list, all or none; where there is no room, counts them under `what`.
+  void put(const std::string& list, const std::vector<std::string>& values, const std::string& what) {
+    std::size_t size = 0;
+    for (const auto& value : values) size += value.size() + 1;
+    if (size > room_) {
+      left_out_[what] += values.size();
       return;
     }
-    room_ -= value.size();
+    room_ -= size;
     std::string& text = lists_[list];
-    if (!text.empty()) text += ',';
-    text += value;
+    for (const auto& value : values) {
+      if (!text.empty()) text += ',';
+      text += value;
+    }
   }
 
   std::string list(const std::string& name) { return "[" + lists_[name] + "]"; }
@@ -147,25 +152,25 @@ std::size_t level_cap(const Page& page) {
 void put_curves(const Page& page, Shelves& shelves, std::size_t cap, bool leading) {
   for (std::size_t metric = 0; metric < page.metrics.size(); ++metric) {
     if (leads(page, metric) != leading) continue;
+    std::vector<std::string> values;
     for (const auto& curve : page.curves) {
-      if (curve.metric != metric) continue;
-      shelves.put("curves", curve_json(curve, spread(curve.band.value.size(), cap)),
-                  cat("curves of ", page.metrics[metric].name));
+      if (curve.metric == metric) values.push_back(curve_json(curve, spread(curve.band.value.size(), cap)));
     }
+    shelves.put("curves", values, cat("curves of ", page.metrics[metric].name));
   }
 }
 
 void put_layers(const Page& page, Shelves& shelves, bool leading) {
   for (std::size_t grid = 0; grid < page.grids.size(); ++grid) {
     for (const auto& layer : page.grids[grid].layers) {
-      if (leads(page, layer.metric) == leading) shelves.put("layers", layer_json(layer, grid), "heat maps");
+      if (leads(page, layer.metric) == leading) shelves.put("layers", {layer_json(layer, grid)}, "heat maps");
     }
   }
 }
 
 void put_episodes(const Page& page, Shelves& shelves, std::size_t from, std::size_t to) {
   for (std::size_t i = from; i < std::min(to, page.episodes.size()); ++i) {
-    shelves.put("episodes", episode_json(page.episodes[i], i), "replays");
+    shelves.put("episodes", {episode_json(page.episodes[i], i)}, "replays");
   }
 }
 
@@ -173,7 +178,7 @@ void put_episodes(const Page& page, Shelves& shelves, std::size_t from, std::siz
 void fill(const Page& page, Shelves& shelves, std::size_t cap) {
   put_curves(page, shelves, cap, true);
   for (std::size_t i = 0; i < page.learning.size(); ++i) {
-    shelves.put("learning", learning_json(page.learning[i], i), "learning curves");
+    shelves.put("learning", {learning_json(page.learning[i], i)}, "learning curves");
   }
   put_layers(page, shelves, true);
   put_episodes(page, shelves, 0, kEpisodesKeptFirst);
@@ -181,8 +186,9 @@ void fill(const Page& page, Shelves& shelves, std::size_t cap) {
   put_layers(page, shelves, false);
   put_episodes(page, shelves, kEpisodesKeptFirst, page.episodes.size());
   for (std::size_t i = 0; i < page.learning.size(); ++i) {
-    for (const auto& run : page.learning[i].runs)
-      shelves.put("runs", run_json(run, i), "learning curves of single seeds");
+    for (const auto& run : page.learning[i].runs) {
+      shelves.put("runs", {run_json(run, i)}, "learning curves of single seeds");
+    }
   }
 }
 
@@ -253,6 +259,20 @@ void write_rest(JsonWriter& json, const Page& page) {
   if (page.saturation_metric != Page::kNone) json.key("saturation").index(page.saturation_metric);
 }
 
+std::vector<std::string> left_out(const Page& page, const Shelves& shelves, std::size_t cap) {
+  std::vector<std::string> out;
+  std::size_t longest = 0;
+  for (const auto& sweep : page.sweeps) longest = std::max(longest, sweep.levels.size());
+  if (longest > cap) out.push_back(cat("Curves show at most ", cap, " of up to ", longest, " levels."));
+  std::vector<std::string> parts;
+  for (const auto& [what, count] : shelves.left_out()) {
+    if (count > 0) parts.push_back(cat(what, " (", count, ")"));
+  }
+  if (!parts.empty())
+    out.push_back(cat("Left out, to keep this page small: ", join(parts, ", "), "; the exported data hold all."));
+  return out;
+}
+
 }  // namespace
 
 PageData page_data(const Page& page) {
@@ -270,14 +290,7 @@ PageData page_data(const Page& page) {
     json.key(name).raw(shelves.list(std::string(name)));
   }
   json.close('}');
-  PageData data{json.take(), {}};
-  std::size_t longest = 0;
-  for (const auto& sweep : page.sweeps) longest = std::max(longest, sweep.levels.size());
-  if (longest > cap) data.left_out.push_back(cat("Curves show at most ", cap, " of up to ", longest, " levels."));
-  for (const auto& [what, count] : shelves.left_out()) {
-    data.left_out.push_back(cat("Not in this page, which would grow too large: ", count, " ", what, "."));
-  }
-  return data;
+  return {json.take(), left_out(page, shelves, cap)};
 }
 
 }  // namespace gust
