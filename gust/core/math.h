@@ -8,8 +8,9 @@
 namespace gust {
 
 // Elementary functions whose bits are the same for scalars and packs, at every optimisation level and on every
-// machine with fused multiply-add. Polynomial coefficients of sine, cosine and logarithm are those of Sun's fdlibm
-// (k_sin.c, k_cos.c, e_log.c); each function is within 2 units in the last place of the true value (math_test.cpp).
+// machine with fused multiply-add. They are inlined always: a call would cost a simulation step as much as their work.
+// Polynomial coefficients of sine, cosine and logarithm are those of Sun's fdlibm (k_sin.c, k_cos.c, e_log.c); each
+// function is within 2 units in the last place of the true value (math_test.cpp).
 
 template <class T>
 struct SinCos {
@@ -49,7 +50,7 @@ T constant(double value) {
 
 /// Horner's rule, highest power first.
 template <class T, class... Rest>
-T horner(T x, double first, Rest... rest) {
+[[gnu::always_inline]] inline T horner(T x, double first, Rest... rest) {
   T sum = constant<T>(first);
   ((sum = fma(sum, x, constant<T>(rest))), ...);
   return sum;
@@ -61,7 +62,7 @@ inline constexpr double kRoundShift = 0x1.8p52;  // adding it leaves the nearest
 
 /// Sine and cosine of x [rad]; accurate to 2 ulp for |x| < 1e5, usable to 1e9. NaN and infinity give NaN.
 template <class T>
-SinCos<T> sin_cos(T x) {
+[[gnu::always_inline]] inline SinCos<T> sin_cos(T x) {
   using namespace detail;
   const T shifted = fma(x, constant<T>(0x1.45f306dc9c883p-1), constant<T>(kRoundShift));  // x * 2/pi
   const T quarter = shifted - kRoundShift;
@@ -89,7 +90,7 @@ SinCos<T> sin_cos(T x) {
 
 /// e to the x; 0 below -708, infinity above 709, NaN for NaN.
 template <class T>
-T exp(T x) {
+[[gnu::always_inline]] inline T exp(T x) {
   using namespace detail;
   const T shifted = fma(x, constant<T>(0x1.71547652b82fep+0), constant<T>(kRoundShift));  // x / ln 2
   const T power = shifted - kRoundShift;
@@ -105,7 +106,7 @@ T exp(T x) {
 
 /// Natural logarithm of a positive normal number; what it gives for others is not defined.
 template <class T>
-T log(T x) {
+[[gnu::always_inline]] inline T log(T x) {
   using namespace detail;
   const auto bits = as_int(x);
   const auto shift = bits - 0x3fe6a09e667f3bcd;  // sqrt(1/2): the mantissa then lies in [sqrt(1/2), sqrt(2))
@@ -125,7 +126,7 @@ T log(T x) {
 
 /// The angle in [-pi, pi), by whole turns.
 template <class T>
-T wrap_angle(T angle) {
+[[gnu::always_inline]] inline T wrap_angle(T angle) {
   using namespace detail;
   const T turns = fma(angle, constant<T>(0x1.45f306dc9c883p-3), constant<T>(kRoundShift)) - kRoundShift;
   const T wrapped = fma(turns, constant<T>(-0x1.921fb54442d18p+2), angle);

@@ -18,7 +18,7 @@ inline Pack load(const double* from) {
 inline void store(double* to, Pack value) { __builtin_memcpy(to, &value, sizeof value); }
 
 inline double fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
-inline Pack fma(Pack a, Pack b, Pack c) {
+[[gnu::always_inline]] inline Pack fma(Pack a, Pack b, Pack c) {
   Pack result;
   for (std::size_t i = 0; i < kPackLanes; ++i) result[i] = __builtin_fma(a[i], b[i], c[i]);
   return result;
@@ -27,5 +27,9 @@ inline Pack fma(Pack a, Pack b, Pack c) {
 /// condition ? yes : no, for scalars and element by element for packs.
 inline double select(bool condition, double yes, double no) { return condition ? yes : no; }
 inline Pack select(PackMask condition, Pack yes, Pack no) { return condition ? yes : no; }
+
+/// Whether the condition holds in any lane.
+inline bool any(bool condition) { return condition; }
+inline bool any(PackMask condition) { return __builtin_ia32_movmskpd256(reinterpret_cast<Pack>(condition)) != 0; }
 
 }  // namespace gust

@@ -2,15 +2,13 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "gust/core/dual.h"
 #include "gust/core/pack.h"
 #include "gust/sim/plant.h"
 
 namespace gust {
-
-inline bool any(bool condition) { return condition; }
-inline bool any(PackMask condition) { return (condition[0] | condition[1] | condition[2] | condition[3]) != 0; }
 
 /// The plant of a law: `Options` gives the spec, the goal and `template <class T> Law`, the equations written once.
 /// Law<T>(options, parameters) prepares what a control step shares; substep(state, action, force, dt) moves by dt.
@@ -23,8 +21,7 @@ class LawPlant final : public Plant {
   const PlantSpec& spec() const override { return spec_; }
 
   void advance(const Motion& motion) const noexcept override {
-    // Two packs at a time: their chains of dependent operations overlap.
-    for (std::size_t lane = 0; lane < motion.state.lanes; lane += 2 * kPackLanes) advance_packs(motion, lane);
+    for (std::size_t lane = 0; lane < motion.state.lanes; lane += kTogether * kPackLanes) advance_packs(motion, lane);
   }
 
   void goal(std::span<double> to) const noexcept override { options_.write_goal(to); }
@@ -55,35 +52,37 @@ class LawPlant final : public Plant {
   }
 
  private:
-  using Law = typename Options::template Law<Pack>;
+  static constexpr std::size_t kTogether = 4;  // packs whose chains of dependent operations overlap; see bench/cartpole
+
   struct Lanes {
     std::array<Pack, Options::kStates> state;
     std::array<Pack, Options::kActions> action;
     std::array<Pack, Options::kForces> force;
-    std::array<Pack, Options::kParameters> parameters;
+    std::optional<typename Options::template Law<Pack>> law;
 
-    Lanes(const Motion& motion, std::size_t lane) {
-      for (int i = 0; i < Options::kStates; ++i) state[i] = load(&motion.state.at(i, lane));
-      for (int i = 0; i < Options::kActions; ++i) action[i] = load(&motion.action.at(i, lane));
-      for (int i = 0; i < Options::kForces; ++i) force[i] = load(&motion.force.at(i, lane));
-      for (int i = 0; i < Options::kParameters; ++i) parameters[i] = load(&motion.parameters.at(i, lane));
+    void load(const Motion& motion, const Options& options, std::size_t lane) {
+      std::array<Pack, Options::kParameters> parameters;
+      for (int i = 0; i < Options::kParameters; ++i) parameters[i] = gust::load(&motion.parameters.at(i, lane));
+      law.emplace(options, parameters.data());
+      for (int i = 0; i < Options::kStates; ++i) state[i] = gust::load(&motion.state.at(i, lane));
+      for (int i = 0; i < Options::kActions; ++i) action[i] = gust::load(&motion.action.at(i, lane));
+      for (int i = 0; i < Options::kForces; ++i) force[i] = gust::load(&motion.force.at(i, lane));
+    }
+    void substep(double dt) { law->substep(state.data(), action.data(), force.data(), dt); }
+    void store(const Motion& motion, std::size_t lane) const {
+      for (int i = 0; i < Options::kStates; ++i) gust::store(&motion.state.at(i, lane), state[i]);
     }
   };
 
   void advance_packs(const Motion& motion, std::size_t lane) const noexcept {
-    Lanes a(motion, lane);
-    Lanes b(motion, lane + kPackLanes);
-    const Law law_a(options_, a.parameters.data());
-    const Law law_b(options_, b.parameters.data());
+    std::array<Lanes, kTogether> lanes;
+    for (std::size_t p = 0; p < kTogether; ++p) lanes[p].load(motion, options_, lane + p * kPackLanes);
     const double dt = 1.0 / spec_.physics_rate;
     for (long n = 0; n < substeps_; ++n) {
-      law_a.substep(a.state.data(), a.action.data(), a.force.data(), dt);
-      law_b.substep(b.state.data(), b.action.data(), b.force.data(), dt);
+#pragma GCC unroll 8
+      for (std::size_t p = 0; p < kTogether; ++p) lanes[p].substep(dt);
     }
-    for (int i = 0; i < Options::kStates; ++i) {
-      store(&motion.state.at(i, lane), a.state[i]);
-      store(&motion.state.at(i, lane + kPackLanes), b.state[i]);
-    }
+    for (std::size_t p = 0; p < kTogether; ++p) lanes[p].store(motion, lane + p * kPackLanes);
   }
 
   Options options_;

@@ -16,12 +16,13 @@ namespace fs = std::filesystem;
 
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
+  std::string quoted(1, '"');
   for (const char letter : text) {
     if (letter == '"') quoted += '"';
     quoted += letter;
   }
-  return quoted + "\"";
+  quoted += '"';
+  return quoted;
 }
 
 /// What every row of a trial has in common.
@@ -35,8 +36,7 @@ ExportRow head_of(const Study& study, const Trial& trial) {
   if (policy.kind == StudyPolicy::Kind::kTrain) row.seed = cat(policy.seeds[trial.member]);
   if (policy.kind == StudyPolicy::Kind::kOnnx) row.seed = policy.files[trial.member].path;
   if (trial.sweep == Trial::kNominal) {
-    row.site = row.waveform = "none";
-    row.level = "0";
+    row.site = row.waveform = std::string("none");
     return row;
   }
   const Sweep& sweep = study.sweeps[trial.sweep];

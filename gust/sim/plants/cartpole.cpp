@@ -97,10 +97,10 @@ struct CartPole {
       total = parameters[2] + m;
       inertia = m * (options.pole_thickness * options.pole_thickness + 4.0 * l * l) / 12.0 + ml * l;
       weight = ml * options.gravity;
-      lever = l * (options.tap_point == "tip" ? 2.0 : 1.0);
+      lever = l * (options.tap_point.front() == 't' ? 2.0 : 1.0);  // tip or com; a whole comparison would cost a step
     }
 
-    void substep(T* state, const T* action, const T* force, double dt) const {
+    [[gnu::always_inline]] inline void substep(T* state, const T* action, const T* force, double dt) const {
       const T x = state[0];
       const auto [sine, cosine] = sin_cos(state[2]);
       const T coupling = ml * cosine;
