@@ -33,11 +33,12 @@ void add_pushes(Page::Episode& episode, Site site, const std::vector<Component>&
   }
 }
 
-/// a - b, over the columns of the shorter.
-Matrix<double> difference_of(const Matrix<double>& a, const Matrix<double>& b) {
-  Matrix<double> result(a.rows(), std::min(a.lanes(), b.lanes()));
-  for (std::size_t i = 0; i < a.rows(); ++i) {
-    for (std::size_t k = 0; k < result.lanes(); ++k) result.at(i, k) = a.at(i, k) - b.at(i, k);
+/// What the policy saw beyond the true state before each of n control steps.
+Matrix<double> seen_beyond(const Trace& trace) {
+  Matrix<double> result(trace.state.rows(), trace.reward.size());
+  for (std::size_t i = 0; i < result.rows(); ++i) {
+    for (std::size_t k = 0; k < result.lanes(); ++k)
+      result.at(i, k) = trace.observation.at(i, k) - trace.state.at(i, k);
   }
   return result;
 }
@@ -78,7 +79,7 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   episode.states = traces_of(spec.state, trace.state);
   episode.commanded = traces_of(spec.action, trace.commanded);
   episode.applied = traces_of(spec.action, trace.applied);
-  add_pushes(episode, Site::kObservation, spec.state, difference_of(trace.observation, trace.state));
+  add_pushes(episode, Site::kObservation, spec.state, seen_beyond(trace));
   // What the action site added is not recorded by itself where the command was clipped first; the signals are.
   if (!task.injections.empty()) {
     const Signals signals(task.injections, spec, episode_stream(task.evaluation, trace.index.episode));
