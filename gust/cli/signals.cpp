@@ -1,6 +1,5 @@
 #include "gust/cli/signals.h"
 
-#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/eventfd.h>
@@ -8,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <string>
 
 #include "gust/cli/command.h"
 #include "gust/core/error.h"
@@ -21,6 +21,12 @@ sigset_t watched_signals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
   return set;
+}
+
+/// Writes to stderr, in the place of a progress bar if there is one. Nobody may be listening.
+void say(std::string text) {
+  if (isatty(STDERR_FILENO) != 0) text.insert(0, "\r\x1b[J");
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
 int code_of(std::uint32_t signal) { return signal == SIGINT ? kInterrupted : kTerminated; }
@@ -56,8 +62,7 @@ void SignalWatch::watch(int signals, int end) {
     if (!exit_code_.compare_exchange_strong(before, code)) {
       ::_exit(before == kInterrupted ? kInterrupted : code);
     }
-    const char* clear = isatty(STDERR_FILENO) != 0 ? "\r\x1b[J" : "";  // the progress bar
-    fmt::print(stderr, "{}gust: stopping; once more to leave at once\n", clear);
+    say("gust: stopping; once more to leave at once\n");
     source_.request_stop();
   }
   ::close(signals);
