@@ -17,6 +17,14 @@ using google::protobuf::io::CodedInputStream;
 
 static_assert(std::endian::native == std::endian::little, "raw_data is little-endian");
 
+// How a field is written: the low three bits of its tag (protobuf's encoding).
+constexpr std::uint32_t kVarint = 0;
+constexpr std::uint32_t kFixed64 = 1;
+constexpr std::uint32_t kBytes = 2;
+constexpr std::uint32_t kFixed32 = 5;
+
+constexpr int kDeepest = 32;  // messages in messages
+
 // Messages within messages, by field number. A leaf has no entry as a parent: its fields are counted and not entered.
 enum class Message {
   kModel,
@@ -35,6 +43,7 @@ enum class Message {
   kLeaf
 };
 using enum Message;
+
 struct Nested {
   Message parent;
   int field;
@@ -104,44 +113,55 @@ bool is_packed_integers(Message message, int field) {
 // and hundreds in memory.
 class FieldCount {
  public:
-  /// Counts until the message ends, is malformed (the parser then says so) or has too many fields.
+  /// Counts the fields of a message up to the limit of the stream; stops early if it is malformed or has too many.
   void walk(CodedInputStream& in, Message message, int depth);
+
   bool too_many() const { return fields_ > kOnnxFields; }
+  bool malformed() const { return malformed_; }
 
  private:
+  bool skip_value(CodedInputStream& in, Message message, std::uint32_t tag, int depth);
   bool enter(CodedInputStream& in, Message message, int field, int depth);
 
   std::size_t fields_ = 0;
+  bool malformed_ = false;
 };
 
 void FieldCount::walk(CodedInputStream& in, Message message, int depth) {
-  if (depth > 32) fields_ = kOnnxFields + 1;
-  while (!too_many()) {
+  if (depth > kDeepest) malformed_ = true;
+  while (!too_many() && !malformed_ && in.BytesUntilLimit() > 0) {
     const std::uint32_t tag = in.ReadTagNoLastTag();
-    const int field = static_cast<int>(tag >> 3);
-    const std::uint32_t wire = tag & 7;
-    std::uint64_t ignored = 0;
-    bool good = tag != 0;
-    if (good && wire == 0) good = in.ReadVarint64(&ignored);
-    if (good && (wire == 1 || wire == 5)) good = in.Skip(wire == 1 ? 8 : 4);
-    if (good && wire == 2) good = enter(in, message, field, depth);
-    if (good && (wire == 3 || wire == 4)) fields_ = kOnnxFields + 1;  // groups: not of this schema
-    if (!good) return;
-    fields_ += message == kTensor && wire == 5 ? 0 : 1;
+    malformed_ = tag == 0 || !skip_value(in, message, tag, depth) || malformed_;
+    fields_ += message == kTensor && (tag & 7) == kFixed32 ? 0 : 1;
+  }
+}
+
+bool FieldCount::skip_value(CodedInputStream& in, Message message, std::uint32_t tag, int depth) {
+  std::uint64_t ignored = 0;
+  switch (tag & 7) {
+    case kVarint:
+      return in.ReadVarint64(&ignored);
+    case kFixed64:
+      return in.Skip(8);
+    case kFixed32:
+      return in.Skip(4);
+    case kBytes:
+      return enter(in, message, static_cast<int>(tag >> 3), depth);
+    default:
+      return false;  // groups, which this schema does not have
   }
 }
 
 bool FieldCount::enter(CodedInputStream& in, Message message, int field, int depth) {
   std::uint32_t length = 0;
-  if (!in.ReadVarint32(&length) || length > kOnnxBytes) return false;
+  if (!in.ReadVarint32(&length) || length > kOnnxBytes || static_cast<int>(length) > in.BytesUntilLimit()) return false;
   if (is_packed_integers(message, field)) fields_ += length;
   for (const Nested& nested : kNested) {
     if (nested.parent != message || nested.field != field) continue;
     const auto outer = in.PushLimit(static_cast<int>(length));
     walk(in, nested.child, depth + 1);
-    const bool whole = in.BytesUntilLimit() == 0;
     in.PopLimit(outer);
-    return whole;
+    return true;
   }
   return in.Skip(static_cast<int>(length));
 }
@@ -196,15 +216,14 @@ onnx::ModelProto parse_onnx(std::string_view bytes, std::string_view name) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   CodedInputStream count_stream(data, size);
+  count_stream.PushLimit(size);
   FieldCount count;
   count.walk(count_stream, kModel, 0);
   if (count.too_many()) {
-    throw Error(
-        cat(name, ": is no policy network: more than ", kOnnxFields, " nodes, names and integers, or nested too deep"));
+    throw Error(cat(name, ": is no policy network: it has more than ", kOnnxFields, " nodes, names and integers"));
   }
   onnx::ModelProto model;
-  CodedInputStream stream(data, size);
-  if (!model.ParseFromCodedStream(&stream) || !stream.ConsumedEntireMessage()) {
+  if (count.malformed() || !model.ParseFromArray(data, size)) {
     throw Error(cat(name, ": is not an ONNX file, or it is damaged or cut short"));
   }
   return model;

@@ -125,8 +125,10 @@ void lower_gather(OnnxLowering& at) {
   const OnnxValue from = at.input(0);
   const std::size_t axis = lane_axis(at, from.dims, at.attribute("axis", std::int64_t{0}));
   Positions positions;
+  const std::int64_t size = from.dims[axis];
   for (const std::int64_t index : at.integers(1, "indices")) {
-    positions.push_back(at.axis(index, static_cast<std::size_t>(from.dims[axis])));
+    if (index < -size || index >= size) at.fail(cat("picks index ", index, " among ", size));
+    positions.push_back(static_cast<std::size_t>(index < 0 ? index + size : index));
   }
   OnnxValue taken = take(at, from, axis, positions);
   OnnxDims dims = from.dims;
