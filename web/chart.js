@@ -1,7 +1,6 @@
 // Charts are drawn when they come near the window, again when their width or the state changes, and all before printing.
 
-const eagerCharts = 80;   // so many are drawn ahead while the browser is idle, or for the printer
-const slowDrawing = 500;  // [ms] a chart that takes longer ends drawing ahead
+const eagerCharts = 80;  // so many are drawn ahead while the browser is idle, or for the printer
 const charts = new Set();
 
 const nearWindow = new IntersectionObserver((entries) => {
@@ -109,15 +108,14 @@ let idle = false;
 function startIdleDrawing() {
   if (idle || charts.size > eagerCharts) return;
   idle = true;
-  const later = window.requestIdleCallback ?? ((work) => setTimeout(work, 50));
+  const soon = {timeout: 200};
+  const later = window.requestIdleCallback ? (work) => window.requestIdleCallback(work, soon) : (work) => setTimeout(work, 50);
   const next = async () => {
     const chart = [...charts].find((one) => !one.drawn && one.host.clientWidth > 0);
     idle = Boolean(chart);
     if (!chart) return;
-    const before = performance.now();
     await chart.refresh();
-    if (performance.now() - before > slowDrawing) idle = false;
-    else later(next);
+    later(next);
   };
   later(next);
 }

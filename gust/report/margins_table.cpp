@@ -102,7 +102,7 @@ std::string table_html(const Page& page, std::size_t start, const Rows& rows) {
   }
   std::string out = cat("<div class=\"scroll margins\" data-start=\"", start,
                         "\" tabindex=\"0\" role=\"region\" aria-label=\"Margins, ", escaped(page.starts[start].title),
-                        "\"><table>\n", head_html(page));
+                        "\"><table style=\"--policies:", page.policies.size(), "\">\n", head_html(page));
   for (const auto& group : groups) {
     out += cat("<tbody><tr class=\"group\"><th colspan=\"", page.policies.size() + 1, "\" scope=\"rowgroup\">",
                escaped(group), "</th></tr>\n", bodies[group], "</tbody>\n");

@@ -10,6 +10,7 @@ namespace gust {
 namespace {
 
 constexpr std::size_t kMostWorst = 12;
+constexpr std::size_t kLongFact = 60;  // bytes; what is longer gets a row of its own
 
 struct VerdictWords {
   std::string_view name;
@@ -82,7 +83,8 @@ std::string claims_list(const Page& page) {
 std::string provenance_html(const Page& page) {
   std::string out = "<dl class=\"facts\">\n";
   for (const auto& [name, value] : page.provenance) {
-    out += cat("<div><dt>", escaped(name), "</dt><dd>", escaped(value), "</dd></div>\n");
+    out += cat(value.size() > kLongFact ? "<div class=\"long\">" : "<div>", "<dt>", escaped(name), "</dt><dd>",
+               escaped(value), "</dd></div>\n");
   }
   out += "</dl>\n";
   if (!page.run_command.empty()) out += cat("<h3>Make it again</h3>\n", code_line(page.run_command));
