@@ -21,8 +21,6 @@ check: ## Install, build and run every test
 	cmake --build --preset release
 	cmake --preset asan
 	cmake --build --preset asan
-	cmake --preset fuzz
-	cmake --build --preset fuzz
 	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST)
 
 bench: ## Build and run the benchmarks; JSON in build/bench

@@ -3,6 +3,7 @@ if(NOT BUILD_TESTING OR NOT GUST_FULL_CHECK)
   return()
 endif()
 get_property(programs GLOBAL PROPERTY GUST_TEST_PROGRAMS)
+get_property(unit_programs GLOBAL PROPERTY GUST_UNIT_TEST_PROGRAMS)
 
 # gust_check(NAME LABEL label SECONDS limit COMMAND ...)
 function(gust_check name)
@@ -16,7 +17,7 @@ gust_check("every include follows the layers" LABEL style SECONDS 60 COMMAND scr
 list(TRANSFORM programs REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE program_files)
 gust_check("every oracle has a test" LABEL style SECONDS 60 COMMAND scripts/check-oracles ${program_files})
 
-foreach(program ${programs})
+foreach(program ${unit_programs})
   gust_check("${program} is clean under the sanitizers" LABEL sanitizers SECONDS 600
              COMMAND ${PROJECT_SOURCE_DIR}/build/asan/${program} --no-intro)
 endforeach()

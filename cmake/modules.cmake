@@ -9,7 +9,7 @@ if(BUILD_TESTING)
 endif()
 
 # gust_test(NAME LABEL label SOURCES files USES libraries): a doctest program whose cases are ctest tests, each named by its
-# sentence. GUST_TEST_PROGRAMS collects the programs, for the checks that run them in other builds.
+# sentence. GUST_TEST_PROGRAMS collects the programs, unit_tests those of the modules.
 function(gust_test name)
   cmake_parse_arguments(arg "" "LABEL" "SOURCES;USES" ${ARGN})
   if(NOT BUILD_TESTING OR NOT arg_SOURCES)
@@ -17,8 +17,11 @@ function(gust_test name)
   endif()
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE gust_doctest_main ${arg_USES})
-  add_dependencies(unit_tests ${name})
   set_property(GLOBAL APPEND PROPERTY GUST_TEST_PROGRAMS ${name})
+  if(arg_LABEL STREQUAL "unit")
+    add_dependencies(unit_tests ${name})
+    set_property(GLOBAL APPEND PROPERTY GUST_UNIT_TEST_PROGRAMS ${name})
+  endif()
   set(list ${CMAKE_CURRENT_BINARY_DIR}/${name}_cases.cmake)
   add_custom_command(TARGET ${name} POST_BUILD BYPRODUCTS ${list}
     COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:${name}> -D LABEL=${arg_LABEL} -D LIST=${list}

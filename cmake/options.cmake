@@ -19,5 +19,8 @@ if(GUST_SANITIZE)
   target_compile_options(gust_options INTERFACE ${flags})
   target_link_options(gust_options INTERFACE ${flags})
 endif()
+if(GUST_FUZZ)
+  target_compile_options(gust_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 configure_file(gust/core/version.h.in generated/gust/core/version.h @ONLY)
