@@ -165,7 +165,10 @@ StudyClaim parse_claim_of(const Table& table, const Study& study) {
   if (policy == nullptr) throw error_at(where.place, "'where' needs a 'policy'");
   claim.policy = named(study.policies, *policy, "policy").name;
   std::vector<std::string> known = {"policy", "sweep", "start"};
-  claim.start = study.starts.back().name;
+  claim.start = study.starts.front().name;
+  for (const StartProtocol& start : study.starts) {
+    if (start.random) claim.start = start.name;  // the protocol that carries intervals
+  }
   if (const Value* start = where.find("start")) claim.start = named(study.starts, *start, "start").name;
   if (const Value* name = where.find("sweep")) {
     const Sweep& sweep = named(study.sweeps, *name, "sweep");
