@@ -32,7 +32,7 @@ bench: ## Build and run the benchmarks; JSON in build/bench
 format: ## Format all C++ in place
 	scripts/check-format --fix
 
-docs: release ## Write docs/catalog.md from the program's own catalogue
+docs: release ## Write docs/catalog.md from the program's own catalogue; needs python3
 	scripts/make-docs
 
 install: release ## Install under PREFIX (default /usr/local)

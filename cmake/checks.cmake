@@ -16,6 +16,10 @@ gust_check("every file is formatted" LABEL style SECONDS 60 COMMAND scripts/chec
 gust_check("every include follows the layers" LABEL style SECONDS 60 COMMAND scripts/check-layers)
 list(TRANSFORM programs REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE program_files)
 gust_check("every oracle has a test" LABEL style SECONDS 60 COMMAND scripts/check-oracles ${program_files})
+if(TARGET gust)
+  gust_check("the catalogue page is what the program says" LABEL style SECONDS 60
+             COMMAND scripts/make-docs --check $<TARGET_FILE:gust>)
+endif()
 
 foreach(program ${unit_programs})
   gust_check("${program} is clean under the sanitizers" LABEL sanitizers SECONDS 600
