@@ -243,6 +243,16 @@ class PageWriter {
       add_mean(learning);
       page_.learning.push_back(std::move(learning));
     }
+    for (const ReferenceCurve& curve : study_.reference_curves) {
+      const auto policy = std::ranges::find(study_.policies, curve.policy, &StudyPolicy::name);
+      Page::Learning learning;
+      learning.policy = static_cast<std::size_t>(policy - study_.policies.begin());
+      learning.source = curve.source;
+      learning.steps = curve.steps;
+      learning.mean.value = curve.score;
+      learning.runs.push_back({curve.source, curve.steps, curve.score});
+      page_.learning.push_back(std::move(learning));
+    }
   }
 
   void add_run(const Trial& trial, Page::Learning& learning) {

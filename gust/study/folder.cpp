@@ -53,11 +53,10 @@ void StudyFolder::keep(const Study& study, const std::vector<std::string>& setti
     throw Error(cat(path_.string(), ": is not a folder; choose another --out"));
   const bool ours = !fs::exists(path_) || fs::is_empty(path_) || fs::exists(text) || fs::exists(path_ / "store");
   if (!ours) throw Error(cat(path_.string(), ": is not empty and no result of gust; choose another --out"));
-  Json patterns = Json::array();  // one entry a policy with files, in the order of the study
-  for (const StudyPolicy& policy : study.policies) {
-    if (policy.kind != StudyPolicy::Kind::kOnnx) continue;
+  Json patterns = Json::array();
+  for (const std::vector<StudyPolicy::File>& files : study.found) {
     Json found = Json::array();
-    for (const StudyPolicy::File& file : policy.files) {
+    for (const StudyPolicy::File& file : files) {
       const std::string hash = hash_hex(file.bytes);
       write_file_atomically(path_ / "inputs" / hash, file.bytes);
       found.push_back({{"path", file.path}, {"hash", hash}});
@@ -72,16 +71,16 @@ Study StudyFolder::open() const {
   const fs::path text = path_ / kStudyFile;
   if (!fs::exists(text)) throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' left"));
   const Json inputs = read_inputs(path_);
-  // The policies ask for their files in the order in which they were kept.
-  auto policy = inputs["files"].begin();
+  // The parser asks for files in the order in which they were kept.
+  auto pattern = inputs["files"].begin();
   const FindFiles find = [&](const std::string&, const Place&) {
     std::vector<StudyPolicy::File> files;
-    if (policy == inputs["files"].end()) return files;
-    for (const Json& file : *policy) {
+    if (pattern == inputs["files"].end()) return files;
+    for (const Json& file : *pattern) {
       const std::string hash = file["hash"];
       files.push_back({file["path"], read_file(path_ / "inputs" / hash)});
     }
-    ++policy;
+    ++pattern;
     return files;
   };
   return parse_study(read_file(text), text.string(), inputs["settings"].get<std::vector<std::string>>(), find);

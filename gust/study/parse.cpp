@@ -83,26 +83,6 @@ void parse_evaluate(const Table& table, Study& study) {
   if (const Value* disturb = table.find("disturb")) study.always = parse_disturb(*disturb, spec);
 }
 
-void parse_report(const Table& table, Study& study) {
-  check_keys(table, {"keep_traces"}, "[report]");
-  const Value* keep = table.find("keep_traces");
-  if (keep == nullptr) return;
-  study.traces = {0, 0};
-  for (const std::string& part : split_text(keep->as_text("keep_traces"), ',')) {
-    const std::vector<std::string> words = split_text(
-        part.substr(part.find_first_not_of(' ') == std::string::npos ? 0 : part.find_first_not_of(' ')), ' ');
-    const bool known = words.size() == 2 && (words[0] == "worst" || words[0] == "median");
-    const Value count = value_from_text(known ? words[1] : "", keep->place);
-    if (!known || !std::holds_alternative<std::int64_t>(count.data)) {
-      throw error_at(keep->place, "'keep_traces' must read like \"worst 1, median 1\", got '",
-                     keep->as_text("keep_traces"), "'");
-    }
-    const std::int64_t number = std::get<std::int64_t>(count.data);
-    if (number < 0 || number > 100) throw error_at(keep->place, "'keep_traces' keeps 0 to 100 episodes, got ", number);
-    (words[0] == "worst" ? study.traces.worst : study.traces.median) = number;
-  }
-}
-
 void parse_head(const Table& table, Study& study) {
   check_keys(
       table,
@@ -177,6 +157,9 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
   for (const std::string& setting : settings) apply_setting(table, setting);
   Study study;
   study.text = bytes;
+  const FindFiles keep = [&](const std::string& pattern, const Place& place) {
+    return study.found.emplace_back(find(pattern, place));
+  };
   parse_head(table, study);
   const PlantSpec& spec = study.setup.plant->spec();
   study.starts = {nominal_start(spec), random_starts()};
@@ -184,7 +167,7 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
     study.metrics.push_back(study.metric_set.index(metric, {}));
   if (const Value* evaluate = table.find("evaluate")) parse_evaluate(evaluate->as_table("evaluate"), study);
   for (const Table* policy : tables_of(table, "policy")) {
-    StudyPolicy parsed = parse_policy(*policy, study, find);
+    StudyPolicy parsed = parse_policy(*policy, study, keep);
     check_new_name(study.policies, parsed.name, policy->find("name")->place, "policy");
     study.policies.push_back(std::move(parsed));
   }
@@ -201,7 +184,7 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
         throw error_at(claim->find("id")->place, "duplicate claim id '", study.claims[i].id, "'");
     }
   }
-  if (const Value* report = table.find("report")) parse_report(report->as_table("report"), study);
+  if (const Value* report = table.find("report")) parse_report(report->as_table("report"), keep, study);
   return study;
 }
 

@@ -18,6 +18,9 @@ Sweep parse_sweep(const Table& table, const Study& study);
 /// [[claim]]; `study` already has its policies and sweeps.
 StudyClaim parse_claim_of(const Table& table, const Study& study);
 
+/// [report]; `study` already has its policies.
+void parse_report(const Table& table, const FindFiles& find, Study& study);
+
 /// "disturb = [ … ]": injections that are always on, each with its level.
 std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec);
 

@@ -68,6 +68,14 @@ struct TraceRule {
   std::int64_t median = 0;
 };
 
+/// Somebody else's learning curve, to be drawn beside those of a policy.
+struct ReferenceCurve {
+  std::string policy;
+  std::string source;  ///< whose it is
+  std::vector<double> steps;
+  std::vector<double> score;
+};
+
 /// A study as it was written, every default filled in.
 struct Study {
   std::string text;  ///< the bytes of the file
@@ -84,7 +92,9 @@ struct Study {
   std::vector<Sweep> sweeps;
   std::vector<StudyClaim> claims;
   TraceRule traces;
+  std::vector<ReferenceCurve> reference_curves;
   MetricSet metric_set;
+  std::vector<std::vector<StudyPolicy::File>> found;  ///< every file that was read, by pattern, in the order of asking
 };
 
 /// Finds and reads the files of a pattern such as "policies/*.onnx", sorted by path.
