@@ -1,0 +1,110 @@
+#include <doctest/doctest.h>
+
+#include "gust/study/study_fixture.h"
+
+using namespace gust;
+using namespace gust::test;
+
+namespace {
+
+std::string error_of(const std::string& text) {
+  try {
+    small_study({}, text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("a study gets every default") {
+  const Study study = small_study();
+
+  CHECK(study.name == "small");
+  CHECK(study.setup.plant->spec().physics_rate == 50.0);
+  CHECK(study.setup.readings.effort == "disturbed");
+  REQUIRE(study.starts.size() == 2);
+  CHECK(study.starts[1].random);
+  CHECK(study.terminate);
+  CHECK(study.metric_set.name(study.metrics.front()) == "anr_h");
+  CHECK(study.sweeps[0].axes[0].values == std::vector<double>{0, 5, 30});
+  CHECK(study.sweeps[1].axes[0].values == std::vector<double>{0, 1});
+  CHECK(study.claims[0].start == "random");
+  CHECK(study.traces.worst == 1);
+}
+
+TEST_CASE("what is wrong in a study is told with its place and what would be right") {
+  struct Case {
+    std::string from, to, message;
+  };
+  const Case cases[] = {
+      {"seed = 7", "sead = 7", "small.toml:3:8: unknown key 'sead' in the study; did you mean 'seed'?"},
+      {"kind = \"zero\"", "kind = \"zer\"", "small.toml:15:8: unknown policy kind 'zer'; did you mean 'zero'?"},
+      {"\"step\"", "\"stp\"", "unknown waveform 'stp'; did you mean 'step'? (gust list waveforms)"},
+      {"\"action\"", "\"actoin\"", "small.toml:19:8: unknown site 'actoin'; did you mean 'action'?"},
+      {"[0, 5, 30]", "[]", "small.toml:21:10: 'levels' must not be empty"},
+      {"[0, 5, 30]", "[0, 5, 5]", "small.toml:21:10: 'levels' must ascend, got 5 before 5"},
+      {"[0, 5, 30]", "[0, nan]", "'levels' must be a finite number, got nan"},
+      {"[0, 5, 30]", "[0, inf]", "'levels' must be a finite number, got inf"},
+      {"[0, 5, 30]", "\"most\"", "'levels' must be a list, a range or \"auto\", got 'most'"},
+      {"offset = 2", "offset = -2", "'offset' must be >= 0, got -2"},
+      {"offset = 2", "offset = 250", "'offset' must lie within the episode of 250 control steps, got 250"},
+      {"offset = 2", "offset = 2.5", "'offset' must be a whole number, got 2.5"},
+      {"name = \"noise\"", "name = \"push\"", "duplicate sweep name 'push'"},
+      {"name = \"nothing\"", "name = \"lqr\"", "duplicate policy name 'lqr'"},
+      {"episodes = 3", "episodes = 0", "'episodes' must be 1 to 1000000, got 0"},
+      {"episodes = 3", "episodes = \"3\"", "'episodes' must be a whole number, got text"},
+      {"levels = [0, 5, 30]", "levels = [0, 5, 30]\nchannels = [\"theta\"]", "unknown channel 'theta'"},
+      {"levels = [0, 5, 30]", "levels = [0, 5, 30]\nend = 251", "'end' must lie within the episode, 0 to 250, got 251"},
+      {"levels = [0, 5, 30]", "levels = [0, 5, 30]\nmask = [1, 1]", "'mask' must have 1 entries"},
+      {"survival <= 0.8", "survivel <= 0.8", "survivel"},
+      {"schema = 1", "schema = 2", "this gust reads schema 1, got 2"},
+      {"worst 1", "best 1", "'keep_traces' must read like"},
+      {"to = 1, count = 2", "to = 0, count = 2", "'to' must be above 'from', got 0 and 0"},
+      {"preset = \"scg-default\"", "preset = \"scg-defualt\"", "scg-default"},
+  };
+
+  for (const Case& one : cases) {
+    CAPTURE(one.to);
+    const std::string message = error_of(changed(one.from, one.to));
+    CAPTURE(message);
+    CHECK(message.find(one.message) != std::string::npos);
+    CHECK(message.starts_with("small.toml:"));
+  }
+}
+
+TEST_CASE("settings replace what the text says, tables in a list by their name") {
+  const Study study =
+      small_study({"evaluate.episodes=5", "sweep.push.levels=[1, 2]", "policy.lqr.r=0.5", "plant.pole_length=0.7"});
+
+  CHECK(study.episodes == 5);
+  CHECK(study.sweeps[0].axes[0].values == std::vector<double>{1, 2});
+  CHECK(study.policies[0].weights.r == std::vector<double>{0.5});
+  CHECK(study.setup.plant->spec().parameters[0].nominal == 0.7);
+}
+
+TEST_CASE("a setting that leads nowhere is an error") {
+  CHECK_THROWS_AS(small_study({"sweep.pull.levels=[1]"}), Error);
+  CHECK_THROWS_AS(small_study({"evaluate.episoeds=5"}), Error);
+  CHECK_THROWS_AS(small_study({"nonsense"}), Error);
+}
+
+TEST_CASE("parameters are swept by factors, by values and over a grid") {
+  const std::string text = changed("[report]", R"([[sweep]]
+name = "scaled"
+vary = "pole_length"
+scale = [0.5, 2]
+
+[[sweep]]
+name = "both"
+grid = { pole_mass = [0.1, 0.2, 0.3], cart_mass = { from = 1, to = 2, count = 2 } }
+
+[report])");
+
+  const Study study = small_study({}, text);
+
+  CHECK(study.sweeps[2].axes[0].values == std::vector<double>{0.25, 1.0});
+  CHECK(study.sweeps[3].cells() == 6);
+  CHECK(study.sweeps[3].axes[1].parameter == "cart_mass");
+}

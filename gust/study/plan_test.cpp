@@ -1,0 +1,64 @@
+#include "gust/study/plan.h"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+#include "gust/study/study_fixture.h"
+
+using namespace gust;
+using namespace gust::test;
+
+TEST_CASE("a plan has one trial for each policy and sweep, and one undisturbed") {
+  const Plan plan = expand(small_study(), {});
+
+  CHECK(plan.complete);
+  REQUIRE(plan.trials.size() == 6);
+  CHECK(plan.trials[0].what == "evaluate lqr · nominal");
+  CHECK(plan.trials[1].what == "evaluate lqr · push");
+  std::set<std::string> ids;
+  for (const Trial& trial : plan.trials) ids.insert(trial.id);
+  CHECK(ids.size() == plan.trials.size());
+}
+
+TEST_CASE("a trial's name follows from what it does, not from what it is called") {
+  const Plan plan = expand(small_study(), {});
+  const Plan renamed = expand(small_study({"sweep.push.name=pull", "policy.lqr.name=regulator"}), {});
+
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) CHECK(plan.trials[i].id == renamed.trials[i].id);
+}
+
+TEST_CASE("whatever changes an outcome changes the trial's name") {
+  const std::string before = expand(small_study(), {}).trials[1].id;
+
+  for (const char* setting :
+       {"seed=8", "evaluate.episodes=4", "sweep.push.levels=[0, 5]", "policy.lqr.r=0.5", "plant.pole_mass=0.2",
+        "sweep.push.waveform.offset=3", "evaluate.terminate=false", "sweep.push.end=100", "evaluate.start=nominal"}) {
+    CAPTURE(setting);
+    CHECK(expand(small_study({setting}), {}).trials[1].id != before);
+  }
+  CHECK(expand(small_study({"question=why"}), {}).trials[1].id == before);
+}
+
+TEST_CASE("an automatic sweep waits for its levels") {
+  Study study = small_study({"sweep.push.levels=auto"});
+
+  const Plan searching = expand(study, {});
+  CHECK_FALSE(searching.complete);
+  CHECK(searching.trials.front().kind == Trial::Kind::kSearch);
+
+  const FoundLevels found = {{0, {0, 1, 2}}};
+  set_levels(study, found);
+  const Plan found_plan = expand(study, found);
+  CHECK(found_plan.complete);
+  CHECK(found_plan.trials.size() == 8);
+}
+
+TEST_CASE("the common levels reach half beyond the greatest failure level") {
+  const std::vector<double> levels = common_levels({2.0, 4.0, INFINITY}, 60.0);
+
+  REQUIRE(levels.size() == 11);
+  CHECK(levels.front() == 0.0);
+  CHECK(levels.back() == 6.0);
+  CHECK(common_levels({INFINITY}, 60.0).back() == 60.0);
+}

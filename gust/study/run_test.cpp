@@ -1,0 +1,143 @@
+#include "gust/study/run.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "gust/study/export.h"
+#include "gust/study/files.h"
+#include "gust/study/folder.h"
+#include "gust/study/study_fixture.h"
+#include "gust/study/summary.h"
+#include "gust/study/trials.h"
+
+using namespace gust;
+using namespace gust::test;
+
+namespace {
+
+std::string run_and_export(const std::filesystem::path& folder, std::size_t threads) {
+  Study study = small_study();
+  const Store store(folder / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = threads, .stop = {}, .watch = {}});
+  REQUIRE(outcome.failed() == 0);
+  export_csv(study, outcome.plan, store, folder / "rows.csv");
+  return read_file(folder / "rows.csv");
+}
+
+}  // namespace
+
+TEST_CASE("a study gives the same table on one thread and on three, and finds all of it again") {
+  const ScratchFolder one("gust-run-one");
+  const ScratchFolder three("gust-run-three");
+
+  const std::string first = run_and_export(one.path, 1);
+
+  CHECK(first == run_and_export(three.path, 3));
+  Study study = small_study();
+  const Store store(one.path / "store", Store::Access::write);
+  const RunOutcome again = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
+  CHECK(again.found == again.plan.trials.size());
+}
+
+TEST_CASE("the exported table has a row for each episode and metric") {
+  const ScratchFolder folder("gust-run-rows");
+
+  const std::string csv = run_and_export(folder.path, 2);
+
+  const auto lines = static_cast<std::size_t>(std::ranges::count(csv, '\n'));
+  const std::size_t cells = 2 * (1 + 3 + 2);  // policies x (nominal, push, noise)
+  CHECK(lines == 1 + cells * 2 * 3 * MetricSet().size());
+  CHECK(csv.starts_with(std::string(kExportHead)));
+}
+
+TEST_CASE("a summary agrees with the rows it came from") {
+  const ScratchFolder folder("gust-run-summary");
+  Study study = small_study();
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+
+  const Summary summary = summarise(study, outcome.plan, store, 2);
+
+  double sum = 0;
+  std::size_t count = 0;
+  for_each_export_row(study, outcome.plan, store, [&](const ExportRow& row) {
+    if (row.policy == "lqr" && row.site == "dynamics" && row.level == "1" && row.start == "random" &&
+        row.metric == "anr") {
+      sum += row.value;
+      ++count;
+    }
+  });
+  const Series* series = summary.find(0, 1, 1);
+  REQUIRE(series != nullptr);
+  CHECK(count == 3);
+  CHECK(series->at(study.metric_set.index("anr", {}), 1).value == doctest::Approx(sum / 3).epsilon(1e-14));
+  CHECK(series->has_margin);
+  CHECK(series->unit == Unit::episodes);
+  REQUIRE(summary.claims.size() == 1);
+  CHECK(summary.claims[0].verdict.ruling == Ruling::undecided);  // three episodes do not settle it
+}
+
+TEST_CASE("the regulator stands a push of half the actuator and the bare plant falls") {
+  const ScratchFolder folder("gust-run-physics");
+  Study study = small_study();
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+
+  const Summary summary = summarise(study, outcome.plan, store, 1);
+
+  const std::size_t survival = study.metric_set.index("survival", {});
+  CHECK(summary.find(0, 0, 1)->at(survival, 1).value == 1.0);
+  CHECK(summary.find(1, Trial::kNominal, 1)->at(survival, 0).value == 0.0);
+}
+
+TEST_CASE("automatic levels are found and used in one run") {
+  const ScratchFolder folder("gust-run-auto");
+  Study study = small_study({"sweep.push.levels=auto"});
+  const Store store(folder.path / "store", Store::Access::write);
+
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+
+  CHECK(outcome.plan.complete);
+  CHECK(study.sweeps[0].axes[0].values.size() == 11);
+}
+
+TEST_CASE("kept episodes and curves are read back as they were written") {
+  const ScratchFolder folder("gust-run-traces");
+  Study study = small_study();
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
+  const Trial& trial = outcome.plan.trials[1];
+
+  const std::string text = store.load("evaluate", trial.id)->read(kTracesFile);
+  const std::vector<Trace> traces = read_traces(text, "traces");
+
+  REQUIRE(traces.size() == 2);
+  CHECK(traces_text(traces) == text);
+  CHECK(traces[0].state.lanes() == 251);
+  const std::vector<CurvePoint> curve = {{0, 1.5, 0.25, 30, 0.5, 0.125, 0.75}};
+  CHECK(curve_text(read_curve(curve_text(curve), "curve")) == curve_text(curve));
+  CHECK_THROWS_AS(read_curve("nonsense", "curve"), Error);
+  CHECK_THROWS_AS(read_traces("[{}]", "traces"), Error);
+}
+
+TEST_CASE("a study's folder gives the study back without the file it came from") {
+  const ScratchFolder folder("gust-run-folder");
+  const StudyFolder kept(folder.path);
+  kept.keep(small_study({"evaluate.episodes=4"}), {"evaluate.episodes=4"});
+
+  const Study study = kept.open();
+
+  CHECK(study.text == kSmallStudy);
+  CHECK(study.episodes == 4);
+  CHECK(kept.settings() == std::vector<std::string>{"evaluate.episodes=4"});
+  CHECK_THROWS_AS(StudyFolder(folder.path / "nowhere").open(), Error);
+}
+
+TEST_CASE("a folder with other things in it is left alone") {
+  const ScratchFolder folder("gust-run-foreign");
+  std::filesystem::create_directories(folder.path);
+  std::ofstream(folder.path / "thesis.tex") << "x";
+
+  CHECK_THROWS_AS(StudyFolder(folder.path).keep(small_study(), {}), Error);
+}
