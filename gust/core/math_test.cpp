@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace gust;
@@ -23,7 +24,8 @@ TEST_CASE("sine and cosine are within two units in the last place of the C libra
   for (int i = -200'000; i <= 200'000; ++i) {
     const double x = i * 0.00137 + (i % 97) * 1e-9;
     const auto [sine, cosine] = sin_cos(x);
-    worst = std::max({worst, ulps(sine, std::sin(static_cast<long double>(x))), ulps(cosine, std::cos(static_cast<long double>(x)))});
+    worst = std::max({worst, ulps(sine, std::sin(static_cast<long double>(x))),
+                      ulps(cosine, std::cos(static_cast<long double>(x)))});
   }
 
   CHECK(worst < 2.0);

@@ -1,0 +1,47 @@
+#include "gust/core/text.h"
+
+#include <doctest/doctest.h>
+
+#include "gust/core/error.h"
+
+using namespace gust;
+
+namespace {
+
+const std::vector<std::string> kWaves = {"white", "uniform", "step", "sawtooth", "triangle", "sine"};
+
+}  // namespace
+
+TEST_CASE("the nearest name is the one with the fewest edits, if they are few enough to be meant") {
+  CHECK(nearest("sawtoth", kWaves) == "sawtooth");
+  CHECK(nearest("stepp", kWaves) == "step");
+  CHECK(nearest("tirangle", kWaves) == "triangle");
+  CHECK(nearest("sin", kWaves) == "sine");
+  CHECK(nearest("gaussian", kWaves) == "");
+  CHECK(nearest("", kWaves) == "");
+  CHECK(nearest("step", {}) == "");
+}
+
+TEST_CASE("a hint is a question, or nothing") {
+  CHECK(did_you_mean("whit", kWaves) == "; did you mean 'white'?");
+  CHECK(did_you_mean("zebra", kWaves) == "");
+}
+
+TEST_CASE("a name of a megabyte has no neighbour, and is not compared") {
+  CHECK(nearest(std::string(1 << 20, 's'), kWaves) == "");
+}
+
+TEST_CASE("join puts the separator between parts, and split undoes it") {
+  CHECK(join({}, ", ") == "");
+  CHECK(join(std::vector<std::string>{"a"}, ", ") == "a");
+  CHECK(join(kWaves, "|") == "white|uniform|step|sawtooth|triangle|sine");
+  CHECK(split_text("white|uniform|step|sawtooth|triangle|sine", '|') == kWaves);
+  CHECK(split_text("", '|').empty());
+  CHECK(split_text("|a", '|') == std::vector<std::string>{"", "a"});
+}
+
+TEST_CASE("text of numbers reads back to the same number in the fewest digits") {
+  CHECK(cat(0.1) == "0.1");
+  CHECK(cat(1.0 / 3) == "0.3333333333333333");
+  CHECK(cat("a", 1, ' ', 2.5, " ", -0.0) == "a1 2.5 -0");
+}
