@@ -14,6 +14,7 @@ using Json = nlohmann::json;
 
 constexpr const char* kStudyFile = "study.toml";
 constexpr const char* kInputsFile = "inputs.json";
+constexpr const char* kInputsFolder = "inputs";
 
 Json read_inputs(const fs::path& folder) {
   const fs::path path = folder / kInputsFile;
@@ -22,6 +23,18 @@ Json read_inputs(const fs::path& folder) {
   } catch (const Json::exception&) {
     throw Error(cat(path.string(), ": damaged; run the study again"));
   }
+}
+
+/// Whether a folder is a result of ours, or empty; another run may just be making it, or have been killed while it did.
+bool is_ours(const fs::path& folder) {
+  if (!fs::exists(folder)) return true;
+  bool foreign = false;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name == kStudyFile || name == kInputsFile || name == kInputsFolder || name == "store") return true;
+    foreign = foreign || !name.starts_with('.');
+  }
+  return !foreign;
 }
 
 }  // namespace
@@ -51,14 +64,13 @@ void StudyFolder::keep(const Study& study, const std::vector<std::string>& setti
   const fs::path text = path_ / kStudyFile;
   if (fs::exists(path_) && !fs::is_directory(path_))
     throw Error(cat(path_.string(), ": is not a folder; choose another --out"));
-  const bool ours = !fs::exists(path_) || fs::is_empty(path_) || fs::exists(text) || fs::exists(path_ / "store");
-  if (!ours) throw Error(cat(path_.string(), ": is not empty and no result of gust; choose another --out"));
+  if (!is_ours(path_)) throw Error(cat(path_.string(), ": is not empty and no result of gust; choose another --out"));
   Json patterns = Json::array();
   for (const std::vector<StudyPolicy::File>& files : study.found) {
     Json found = Json::array();
     for (const StudyPolicy::File& file : files) {
       const std::string hash = hash_hex(file.bytes);
-      write_file_atomically(path_ / "inputs" / hash, file.bytes);
+      write_file_atomically(path_ / kInputsFolder / hash, file.bytes);
       found.push_back({{"path", file.path}, {"hash", hash}});
     }
     patterns.push_back(found);
@@ -78,7 +90,7 @@ Study StudyFolder::open() const {
     if (pattern == inputs["files"].end()) return files;
     for (const Json& file : *pattern) {
       const std::string hash = file["hash"];
-      files.push_back({file["path"], read_file(path_ / "inputs" / hash)});
+      files.push_back({file["path"], read_file(path_ / kInputsFolder / hash)});
     }
     ++pattern;
     return files;

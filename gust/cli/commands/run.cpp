@@ -56,10 +56,15 @@ int run(const Options& options) {
     return signals.exit_code();
   }
   const Summary summary = summarise(study, outcome.plan, store, threads);
-  const std::string report = write_report(folder, options.study, study, outcome.plan, store, summary, warnings);
+  std::string report;
+  try {
+    report = write_report(folder, options.study, study, outcome.plan, store, summary, warnings);
+  } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
+    tell(error.what());
+  }
   fmt::print("{}", options.json ? summary_json(study, summary) + "\n" : summary_text(study, summary));
-  if (!options.json) fmt::print("Page: {}\n", report);
-  if (outcome.failed() > 0) return kTrialFailed;
+  if (!options.json && !report.empty()) fmt::print("Page: {}\n", report);
+  if (outcome.failed() > 0 || report.empty()) return kTrialFailed;
   return options.require && !required_claims_hold(study, summary) ? kCheckFailed : kDone;
 }
 
