@@ -37,13 +37,12 @@ void pick_rows(std::span<const float> from, std::span<const std::uint32_t> sampl
     std::copy_n(from.data() + samples[i] * width, width, to.data() + i * width);
 }
 
-/// A random order of 0 … size-1 (Fisher and Yates).
-void shuffle(std::vector<std::uint32_t>& order, Rng rng) {
+}  // namespace
+
+void shuffle(std::span<std::uint32_t> order, Rng rng) {
   std::iota(order.begin(), order.end(), 0u);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[rng.below(i, i)]);
 }
-
-}  // namespace
 
 MlpShape ppo_shape(const PpoOptions& options, std::size_t inputs, std::size_t outputs) {
   MlpShape shape;
@@ -138,6 +137,8 @@ PpoStep PpoLearner::step(const Rollout& rollout, std::span<const std::uint32_t> 
   result.policy = policy_loss<float>({log_density_, old_log_density_, advantage_}, options_.clip, at_log_density_);
   result.actor_moved = options_.target_kl <= 0.0 || result.policy.kl <= 1.5 * options_.target_kl;
   if (result.actor_moved) move_actor(mean, progress);
+  actor_steps_ += result.actor_moved ? 1 : 0;
+  ++critic_steps_;
 
   const auto value = critic_.workspace.forward(critic_.mlp, observation_);
   result.value_loss = value_loss<float>({value, target_, old_value_}, options_.value_clip, at_value_);

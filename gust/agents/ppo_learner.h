@@ -51,6 +51,9 @@ class PpoLearner {
   const Mlp<float>& critic() const { return critic_.mlp; }
   std::span<const float> log_std() const { return log_std_; }
   bool finite() const;
+  /// Gradient steps so far.
+  std::int64_t actor_steps() const { return actor_steps_; }
+  std::int64_t critic_steps() const { return critic_steps_; }
 
   /// Writes the observations' mean actions and draws actions around them, for one step of all environments, from the
   /// rollout's sample on. Draw number `step` of each environment's own stream.
@@ -73,6 +76,8 @@ class PpoLearner {
     archive.block(std::span(self.log_std_));
     archive_adam(archive, self.log_std_adam_);
     archive.number(self.epochs_);
+    archive.number(self.actor_steps_);
+    archive.number(self.critic_steps_);
   }
 
  private:
@@ -89,6 +94,8 @@ class PpoLearner {
   Buffer<float> log_std_gradient_;
   AdamState<float> log_std_adam_;
   std::uint64_t epochs_ = 0;  // done so far: numbers the permutations
+  std::int64_t actor_steps_ = 0;
+  std::int64_t critic_steps_ = 0;
 
   // Of the minibatch at hand.
   std::vector<std::uint32_t> order_;
@@ -96,6 +103,9 @@ class PpoLearner {
   Buffer<float> log_density_, at_log_density_, at_mean_, at_value_;
   std::vector<double> minibatch_advantage_;
 };
+
+/// Puts 0 … size-1 into a random order (Fisher and Yates).
+void shuffle(std::span<std::uint32_t> order, Rng rng);
 
 /// The shape of a network of these options.
 MlpShape ppo_shape(const PpoOptions& options, std::size_t inputs, std::size_t outputs);
