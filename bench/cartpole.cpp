@@ -58,5 +58,3 @@ void closed_loop(benchmark::State& state, double control_rate, double physics_ra
 BENCHMARK_CAPTURE(closed_loop, cartpole_50_50_Hz, 50.0, 50.0);
 BENCHMARK_CAPTURE(closed_loop, cartpole_50_1000_Hz, 50.0, 1000.0);
 BENCHMARK_CAPTURE(closed_loop, cartpole_15_750_Hz, 15.0, 750.0);
-
-BENCHMARK_MAIN();
