@@ -4,16 +4,18 @@ const cartHalf = 0.2;  // [m] half width of the drawn cart; its size is no param
 const cartHigh = 0.17;
 const arrowReach = 0.9;  // [m] drawn length of the largest push; a command beyond what can be applied is drawn a little longer
 
+const farthest = 40;  // [m] the scene's end: a cart that has run away stays there
+
 function traceOf(list, name) {
-  return list.find((trace) => trace.name === name)?.v ?? null;
+  return list.find((trace) => trace.name === name)?.v.map((value) => finite(value) ?? 0) ?? null;
 }
 
 function pushOf(episode, site, name) {
-  return episode.disturbances.find((push) => push.site === site && push.name === name)?.v ?? null;
+  return episode.disturbances.find((push) => push.site === site && push.name === name)?.v.map((value) => finite(value) ?? 0) ?? null;
 }
 
 function largest(traces) {
-  return Math.max(0, ...traces.filter(Boolean).map((values) => Math.max(...values.map((value) => Math.abs(value ?? 0)))));
+  return traces.filter(Boolean).reduce((most, values) => values.reduce((sum, value) => Math.max(sum, Math.abs(finite(value) ?? 0)), most), 0);
 }
 
 /** What of an episode is drawn, with its bounds in metres. */
@@ -21,11 +23,11 @@ function cartpoleModel(episode) {
   const geometry = episode.geometry;
   const half = geometry.pole_length ?? 0.5;
   const theta = traceOf(episode.states, 'theta') ?? [0];
-  const lowest = Math.min(0, ...theta.map((angle) => 2 * half * Math.cos(angle ?? 0)));
+  const lowest = Math.min(0, ...theta.map((angle) => 2 * half * Math.cos(angle)));
   const fx = pushOf(episode, 'dynamics', 'fx');
   const fz = pushOf(episode, 'dynamics', 'fz');
   return {
-    half, theta, fx, fz, x: traceOf(episode.states, 'x') ?? [0], limit: geometry.x_limit ?? 2.4,
+    half, theta, fx, fz, x: (traceOf(episode.states, 'x') ?? [0]).map((x) => Math.max(-farthest, Math.min(farthest, x))), limit: geometry.x_limit ?? 2.4,
     tap: geometry.tap_distance ?? half, actionPush: episode.disturbances.find((push) => push.site === 'action')?.v ?? null,
     commanded: episode.commanded[0]?.v ?? [], applied: episode.applied[0]?.v ?? [], unit: episode.applied[0]?.unit ?? '',
     seenX: pushOf(episode, 'observation', 'x'), seenTheta: pushOf(episode, 'observation', 'theta'),
@@ -43,7 +45,7 @@ function between(values, time) {
 }
 
 function held(values, time) {
-  return values && values.length > 0 ? values[Math.min(Math.floor(time), values.length - 1)] ?? 0 : 0;
+  return values && values.length > 0 ? finite(values[Math.min(Math.floor(time), values.length - 1)]) ?? 0 : 0;
 }
 
 function arrow(name) {

@@ -29,7 +29,7 @@ function curveRows(index, metric) {
   for (const curve of curvesOf(index, state.start, metric)) {
     if (state.hidden.has(curve.p)) continue;
     data.sweeps[index].levels.forEach((level, i) => rows.push({
-      policy: data.policies[curve.p].name, level, value: curve.v[i], low: curve.l?.[i] ?? null, high: curve.h?.[i] ?? null,
+      policy: data.policies[curve.p].name, level, value: finite(curve.v[i]), low: finite(curve.l?.[i]), high: finite(curve.h?.[i]),
     }));
   }
   return rows;

@@ -61,6 +61,11 @@ function axisTitle(text, unit) {
   return unit ? `${text} [${unit}]` : text;
 }
 
+/** The number, or null where it is none that can be drawn. */
+function finite(value) {
+  return Number.isFinite(value) ? value : null;
+}
+
 /** [smallest, largest] of the finite numbers; null where there is none. */
 function extent(values) {
   let low = Infinity;

@@ -7,7 +7,7 @@ function layersOf(grid) {
 function heatRows(grid, layer) {
   const {columns, rows} = data.grids[grid];
   return layer.v.map((value, i) => ({
-    column: pretty(columns.v[i % columns.v.length]), row: pretty(rows.v[Math.floor(i / columns.v.length)]), value,
+    column: pretty(columns.v[i % columns.v.length]), row: pretty(rows.v[Math.floor(i / columns.v.length)]), value: finite(value),
   }));
 }
 

@@ -1,7 +1,7 @@
 // Learning curves: one panel a policy, one line a training seed, their mean with its band.
 
 function pairs(x, v, more) {
-  return x.map((step, i) => ({...more, step, value: v[i]})).filter((row) => row.value !== null);
+  return x.map((step, i) => ({...more, step, value: finite(v[i])})).filter((row) => row.value !== null);
 }
 
 /** Panels of all policies on common axes; share: how much of the training they span. */
@@ -14,7 +14,7 @@ function learningPanels(share) {
     return {
       policy, yTitle: null, title: data.policies[policy].name,
       runs: runs.flatMap((run) => pairs(run.x, run.v, {seed: run.seed})),
-      mean: own.flatMap((one) => one.x.map((step, i) => ({step, value: one.v[i], low: one.l?.[i] ?? null, high: one.h?.[i] ?? null}))),
+      mean: own.flatMap((one) => one.x.map((step, i) => ({step, value: finite(one.v[i]), low: finite(one.l?.[i]), high: finite(one.h?.[i])}))),
       others: all.filter((one) => one.source !== '').flatMap((one) => pairs(one.x, one.v, {source: one.source})),
     };
   });

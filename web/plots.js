@@ -7,7 +7,7 @@ function isRate(name) {
 }
 
 function timeRows(name, values, rate) {
-  return values.map((value, k) => ({name, time: k / rate, value})).filter((row) => row.value !== null);
+  return values.map((value, k) => ({name, time: k / rate, value: finite(value)})).filter((row) => row.value !== null);
 }
 
 /** One view. What is held over a control step is drawn as steps, to the end of the last one, on an axis with zero. */

@@ -323,6 +323,13 @@ Page hostile_page() {
     for (auto& push : one.disturbances) push.site = push.site == "action" ? bad : push.site;
   }
   page.episodes[1].plant = "constructor";
+  auto& runaway = page.episodes[2].states;
+  runaway[0].values[5] = 1e300;
+  runaway[0].values[6] = runaway[2].values[7] = Page::kUnknown;
+  runaway[0].values[8] = runaway[2].values[9] = std::numeric_limits<double>::infinity();
+  page.episodes[2].applied[0].values[5] = -std::numeric_limits<double>::infinity();
+  page.curves[0].band.value[3] = page.curves[1].band.low[2] = std::numeric_limits<double>::infinity();
+  page.curves[0].band.value[4] = page.learning[0].mean.value[7] = page.grids[0].layers[0].values[5] = Page::kUnknown;
   return page;
 }
 

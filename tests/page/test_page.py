@@ -14,6 +14,7 @@ CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 MEGABYTE = 1e6
 DESKTOP = {"width": 1280, "height": 900}
 PHONE = {"width": 390, "height": 844}
+expect.set_options(timeout=30000)  # ms; other tests may keep every core busy
 
 
 @pytest.fixture(scope="session")
@@ -169,8 +170,11 @@ def seconds(page):
 def test_the_replay_plays_pauses_and_ends(opened):
     page = opened("demo")
     chart(page, "replay")
+    page.get_by_label("Episode", exact=True).select_option(index=2)
     pole = page.locator("#figure-replay .pole:not(.seen *)").first
     upright = pole.get_attribute("transform")
+    for _ in range(4):
+        page.get_by_role("button", name="Slower").click()
 
     page.get_by_role("button", name="Play", exact=True).click()
     page.wait_for_function("document.querySelector('#figure-replay input[type=range]').value > 10")
@@ -181,6 +185,8 @@ def test_the_replay_plays_pauses_and_ends(opened):
     assert paused > 0.2
     assert seconds(page) == paused
     assert pole.get_attribute("transform") != upright
+    for _ in range(4):
+        page.get_by_role("button", name="Faster").click()
     page.get_by_role("button", name="Play", exact=True).click()
     expect(page.locator("#figure-replay .badge")).to_contain_text("Failed at", timeout=20000)
     expect(page.get_by_role("button", name="Play", exact=True)).to_be_visible()
@@ -281,6 +287,9 @@ def test_hostile_names_are_inert(opened):
         page.locator(f"#figure-{figure} .tools").get_by_role("button", name="Table").click()
     page.locator("#figure-curves .chart").first.hover()
     expect(page.locator(".tooltip tr")).to_have_count(4)
+    page.get_by_label("Episode", exact=True).select_option(index=2)  # runs away: 1e300, no number, infinity
+    page.get_by_role("slider", name="Time").fill("8")
+    chart(page, "replay")
     page.get_by_label("Episode", exact=True).select_option(index=1)
     csv = downloaded(page, "curves", "CSV")[1].decode()
 
@@ -376,24 +385,24 @@ def test_the_printed_page_is_light_and_holds_its_charts(opened):
 
 def test_a_study_of_100000_cells_stays_small_and_opens_quickly(browser, fixture_file):
     path = fixture_file("large")
+    page = browser.new_page(viewport=DESKTOP)
     complaints = Complaints()
+    complaints.watch(page)
+    watch = page.context.new_cdp_session(page)
+    watch.send("Performance.enable", {"timeDomain": "threadTicks"})
 
-    def seconds_to_open():
-        page = browser.new_page(viewport=DESKTOP)
-        complaints.watch(page)
-        started = time.monotonic()
-        page.goto(path.as_uri(), wait_until="commit")
-        page.wait_for_selector("html[data-ready]", state="attached", timeout=60000)
-        ready = time.monotonic() - started
-        chart(page, "curves")
-        expect(page.locator("aside")).to_contain_text("Left out, to keep this page small: curves of")
-        page.close()
-        return ready
-
-    fastest = min(seconds_to_open() for _ in range(3))  # other tests may run beside this one
+    started = time.monotonic()
+    page.goto(path.as_uri(), wait_until="commit")
+    page.wait_for_selector("html[data-ready]", state="attached", timeout=60000)
+    waited = time.monotonic() - started
+    metrics = {one["name"]: one["value"] for one in watch.send("Performance.getMetrics")["metrics"]}
+    chart(page, "curves")
+    expect(page.locator("aside")).to_contain_text("Left out, to keep this page small: curves of")
+    page.close()
 
     size = path.stat().st_size / MEGABYTE
-    print(f"100,000 cells: {size:.1f} MB, opens in {fastest:.2f} s")
+    worked = metrics["TaskDuration"]  # of the page's thread: other programs beside this test do not count
+    print(f"100,000 cells: {size:.1f} MB, opens after {waited:.2f} s, {worked:.2f} s of them work")
     assert size < 20
-    assert fastest < 3
+    assert 0 < worked < 3
     assert complaints == []
