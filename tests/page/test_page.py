@@ -1,91 +1,14 @@
-"""The page in a real browser: it draws, plays, answers to the reader, asks nothing of the network and runs no foreign text."""
+"""The page in a real browser: it draws, answers to the reader, asks nothing of the network and runs no foreign text."""
 
 import json
-import os
-import pathlib
 import re
-import subprocess
 import time
 
 import pytest
-from playwright.sync_api import expect, sync_playwright
+from browsing import DESKTOP, PHONE, Complaints, chart, downloaded
+from playwright.sync_api import expect
 
-CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 MEGABYTE = 1e6
-DESKTOP = {"width": 1280, "height": 900}
-PHONE = {"width": 390, "height": 844}
-expect.set_options(timeout=30000)  # ms; other tests may keep every core busy
-
-
-@pytest.fixture(scope="session")
-def browser():
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="session")
-def fixture_file(build, tmp_path_factory):
-    """fixture_file("demo"): the invented page of that kind, written once."""
-    folder = tmp_path_factory.mktemp("pages")
-
-    def make(kind):
-        path = folder / f"{kind}.html"
-        if not path.exists():
-            path.write_bytes(subprocess.run([build / "page_fixture", kind], check=True, capture_output=True).stdout)
-        return path
-
-    return make
-
-
-class Complaints(list):
-    """What a page must not do: errors, warnings on the console, requests to anywhere."""
-
-    def watch(self, page):
-        page.on("console", lambda message: self.append(f"console: {message.text}"))
-        page.on("pageerror", lambda error: self.append(f"error: {error}"))
-        page.on("request", lambda request: self.request(request.url))
-
-    def request(self, url):
-        if not url.startswith(("file:", "data:", "blob:")):
-            self.append(f"request: {url}")
-
-
-@pytest.fixture
-def opened(browser, fixture_file):
-    """opened("demo", viewport=PHONE, ...): the page, ready; in the end it must not have complained."""
-    contexts = []
-    complaints = Complaints()
-
-    def open_page(kind, viewport=DESKTOP, **options):
-        context = browser.new_context(viewport=viewport, accept_downloads=True, **options)
-        contexts.append(context)
-        page = context.new_page()
-        complaints.watch(page)
-        page.goto(fixture_file(kind).as_uri(), wait_until="commit")
-        page.wait_for_selector("html[data-ready]", state="attached", timeout=60000)
-        return page
-
-    yield open_page
-    for context in contexts:
-        context.close()
-    assert complaints == []
-
-
-def chart(page, figure, index=0):
-    """The drawn SVG of a figure's chart, scrolled to."""
-    host = page.locator(f"#figure-{figure} .chart").nth(index)
-    host.scroll_into_view_if_needed()
-    drawing = host.locator(".plot svg")
-    expect(drawing).to_have_count(1, timeout=30000)
-    return drawing
-
-
-def downloaded(page, figure, button):
-    with page.expect_download(timeout=60000) as event:
-        page.locator(f"#figure-{figure} .tools").get_by_role("button", name=button, exact=True).click()
-    return event.value.suggested_filename, pathlib.Path(event.value.path()).read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -161,89 +84,6 @@ def test_the_pointer_and_the_arrow_keys_read_a_curve(opened):
     page.keyboard.press("ArrowRight")
 
     expect(page.locator(".tooltip strong")).to_contain_text(", 0")
-
-
-def seconds(page):
-    return float(page.locator("#figure-replay .readout dd").first.inner_text().split()[0])
-
-
-def test_the_replay_plays_pauses_and_ends(opened):
-    page = opened("demo")
-    chart(page, "replay")
-    page.get_by_label("Episode", exact=True).select_option(index=2)
-    pole = page.locator("#figure-replay .pole:not(.seen *)").first
-    upright = pole.get_attribute("transform")
-    for _ in range(4):
-        page.get_by_role("button", name="Slower").click()
-
-    page.get_by_role("button", name="Play", exact=True).click()
-    page.wait_for_function("document.querySelector('#figure-replay input[type=range]').value > 10")
-    page.get_by_role("button", name="Pause", exact=True).click()
-    paused = seconds(page)
-    page.wait_for_timeout(300)
-
-    assert paused > 0.2
-    assert seconds(page) == paused
-    assert pole.get_attribute("transform") != upright
-    for _ in range(4):
-        page.get_by_role("button", name="Faster").click()
-    page.get_by_role("button", name="Play", exact=True).click()
-    expect(page.locator("#figure-replay .badge")).to_contain_text("Failed at", timeout=20000)
-    expect(page.get_by_role("button", name="Play", exact=True)).to_be_visible()
-
-
-def test_the_replay_scrubs_by_slider_plot_and_keyboard(opened):
-    page = opened("demo")
-    chart(page, "replay")
-    slider = page.get_by_role("slider", name="Time")
-
-    slider.fill("20")
-    assert seconds(page) == 0.4
-    slider.press("ArrowRight")
-    assert seconds(page) == 0.42
-    slider.press("Shift+ArrowRight")
-    assert seconds(page) == 0.62
-    slider.press("Home")
-    assert seconds(page) == 0
-    plots = page.locator("#figure-replay .time-plots").bounding_box()
-    page.mouse.click(plots["x"] + plots["width"] / 2, plots["y"] + 40)
-    middle = seconds(page)
-    cursor = page.locator("#figure-replay .cursor").bounding_box()
-    assert cursor["height"] > 0.7 * plots["height"]  # through all plots
-    assert abs(cursor["x"] - plots["x"] - plots["width"] / 2) < 10
-    slider.press("End")
-
-    assert 0.3 * seconds(page) < middle < 0.7 * seconds(page)
-
-
-def test_the_replay_can_be_slowed(opened):
-    page = opened("demo")
-    chart(page, "replay")
-
-    page.get_by_role("button", name="Slower").click()
-    page.get_by_role("button", name="Slower").click()
-
-    expect(page.locator("#figure-replay .speed")).to_have_text("0.25×")
-
-
-def test_a_worst_cell_leads_to_its_replay(opened):
-    page = opened("demo")
-
-    page.get_by_role("button", name="Watch").nth(1).click()
-
-    expect(page.get_by_label("Episode", exact=True)).to_have_value("ppo, seed 2: dynamics step 1.6 N")
-    expect(page.locator("#figure-replay")).to_be_in_viewport()
-    page.wait_for_function("document.querySelector('#figure-replay input[type=range]').value > 2")
-
-
-def test_a_reader_who_wants_no_motion_is_not_moved(opened):
-    page = opened("demo", reduced_motion="reduce")
-
-    page.get_by_role("button", name="Watch").first.click()
-    page.wait_for_timeout(300)
-
-    assert seconds(page) == 0
-    assert page.evaluate("getComputedStyle(document.documentElement).scrollBehavior") == "auto"
 
 
 @pytest.mark.parametrize("figure", ["curves", "survival", "learning", "parameters", "grids", "replay"])
