@@ -12,10 +12,16 @@ struct Options {
   std::string file;
 };
 
+/// "2.5 kB", "13.1 MB".
+std::string size_text(std::uint64_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  return size < 1e6 ? fmt::format("{:.1f} kB", size * 1e-3) : fmt::format("{:.1f} MB", size * 1e-6);
+}
+
 void pack(const Options& options) {
   const Store store(StudyFolder(options.folder).store(), Store::Access::read, tell);
   const PackCount count = pack_store(store, options.file);
-  fmt::print("{}: {} trials, {:.1f} MB\n", options.file, count.trials, static_cast<double>(count.bytes) * 1e-6);
+  fmt::print("{}: {} trials, {}\n", options.file, count.trials, size_text(count.bytes));
 }
 
 void unpack(const Options& options) {
