@@ -57,6 +57,7 @@ function panelOf(index, {metric, strip, title}) {
     nominal: sweep.site ? null : sweep.nominal, policies: visiblePolicies(),
     x: {title: axisTitle(sweep.site ? `${sweep.site} level` : sweep.waveform, sweep.unit), domain: levelDomain(sweep), log: isLog(sweep)},
     y: {title: null, domain}, title: title ? sweepTitle(sweep) : null, markers: sweep.levels.length <= mostMarkers,
+    shade: metric === data.survival ? 0.09 : 0.16,  // Wilson's intervals of few episodes are wide and overlap
   };
 }
 

@@ -210,8 +210,8 @@ class Replay {
 
   /** Moves the cursor of the plots. */
   place() {
-    this.cursor.hidden = !this.frame;
-    if (this.frame) this.put(this.cursor, Math.min(this.player.time, this.player.steps));
+    this.cursor.hidden = !this.frame || this.player.time === 0;
+    if (!this.cursor.hidden) this.put(this.cursor, Math.min(this.player.time, this.player.steps));
   }
 
   tell(step) {

@@ -11,7 +11,7 @@ function quantitative(field, {title = null, domain = null, log = false, axis = {
 }
 
 function xAxis(width) {
-  return {tickCount: Math.max(3, Math.floor(width / 55)), grid: false, labelFlush: true};
+  return {tickCount: Math.max(3, Math.floor(width / 60)), grid: false, labelFlush: true, labelOverlap: 'greedy', labelSeparation: 6};
 }
 
 function yAxis(height) {
@@ -21,7 +21,7 @@ function yAxis(height) {
 
 /**
  * Lines with bands over one axis; margins as triangles on the axis; beneath, in a strip, a share from 0 to 1.
- * panel: {rows, strip, margins, nominal, policies, x: {title, domain, log}, y: {title, domain}, title, markers}.
+ * panel: {rows, strip, margins, nominal, policies, x: {title, domain, log}, y: {title, domain}, title, markers, shade}.
  */
 function curvePanel(look, panel, width, height, legend = false) {
   const inner = Math.max(60, width - yAxisWidth - rightAir);
@@ -33,7 +33,7 @@ function curvePanel(look, panel, width, height, legend = false) {
   const layers = [
     {
       transform: [{filter: 'isValid(datum.low) && isValid(datum.high)'}],
-      mark: {type: 'area', opacity: 0.16, clip: true},
+      mark: {type: 'area', opacity: panel.shade, clip: true},
       encoding: {x: xOf(!hasStrip), y: {...y, field: 'low'}, y2: {field: 'high'}, color},
     },
     {mark: {type: 'line', strokeWidth: 1.75, clip: Boolean(panel.y.domain)}, encoding: {x: xOf(!hasStrip), y, color, strokeDash: dash}},

@@ -34,7 +34,7 @@ void pick(const From& from, std::span<const std::uint32_t> samples, std::span<fl
 void pick_rows(std::span<const float> from, std::span<const std::uint32_t> samples, std::size_t width,
                std::span<float> to) {
   for (std::size_t i = 0; i < samples.size(); ++i)
-    std::copy_n(from.data() + samples[i] * width, width, to.data() + i * width);
+    for (std::size_t j = 0; j < width; ++j) to[i * width + j] = from[samples[i] * width + j];
 }
 
 }  // namespace

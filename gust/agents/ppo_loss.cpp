@@ -1,41 +1,45 @@
 #include "gust/agents/ppo_loss.h"
 
 #include <algorithm>
+#include <array>
 
 #include "gust/core/math.h"
 
 namespace gust {
 namespace {
 
-/// exp(a - b) of each pair, four at a time; `to` may be a or b.
+constexpr std::size_t kBlock = 16;  // samples at a time
+
+/// exp(a - b) of up to kBlock pairs.
 template <class T>
-void ratios(std::span<const T> a, std::span<const T> b, std::span<T> to) {
-  for (std::size_t i = 0; i < to.size(); i += kPackLanes) {
-    const std::size_t count = std::min(kPackLanes, to.size() - i);
-    Pack difference{};
-    for (std::size_t j = 0; j < count; ++j) difference[j] = static_cast<double>(a[i + j]) - b[i + j];
-    const Pack ratio = exp(difference);
-    for (std::size_t j = 0; j < count; ++j) to[i + j] = static_cast<T>(ratio[j]);
-  }
+std::array<double, kBlock> ratios(std::span<const T> a, std::span<const T> b) {
+  std::array<double, kBlock> ratio = {};
+  for (std::size_t i = 0; i < a.size(); ++i) ratio[i] = static_cast<double>(a[i]) - b[i];
+  for (std::size_t i = 0; i < kBlock; i += kPackLanes) store(&ratio[i], exp(load(&ratio[i])));
+  return ratio;
 }
 
 }  // namespace
 
 template <class T>
 PolicyLoss policy_loss(const PolicySamples<T>& samples, double clip, std::span<T> gradient) noexcept {
-  ratios(samples.log_density, samples.old_log_density, gradient);
   const double share = 1.0 / static_cast<double>(gradient.size());
   PolicyLoss sum;
-  for (std::size_t i = 0; i < gradient.size(); ++i) {
-    const double ratio = gradient[i];
-    const double advantage = samples.advantage[i];
-    const double own = ratio * advantage;
-    const double bounded = gust::clip(ratio, 1.0 - clip, 1.0 + clip) * advantage;
-    const bool active = own <= bounded;
-    sum.loss -= active ? own : bounded;
-    sum.kl += static_cast<double>(samples.old_log_density[i]) - samples.log_density[i];
-    sum.clipped += active ? 0.0 : 1.0;
-    gradient[i] = static_cast<T>(active ? -own * share : 0.0);
+  for (std::size_t first = 0; first < gradient.size(); first += kBlock) {
+    const std::size_t count = std::min(kBlock, gradient.size() - first);
+    const auto now = samples.log_density.subspan(first, count);
+    const auto old = samples.old_log_density.subspan(first, count);
+    const auto ratio = ratios(now, old);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double advantage = samples.advantage[first + i];
+      const double own = ratio[i] * advantage;
+      const double bounded = gust::clip(ratio[i], 1.0 - clip, 1.0 + clip) * advantage;
+      const bool active = own <= bounded;
+      sum.loss -= active ? own : bounded;
+      sum.kl += static_cast<double>(old[i]) - now[i];
+      sum.clipped += active ? 0.0 : 1.0;
+      gradient[first + i] = static_cast<T>(active ? -own * share : 0.0);
+    }
   }
   return {sum.loss * share, sum.kl * share, sum.clipped * share};
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace gust {
 
@@ -19,6 +20,15 @@ using RegisterCommand = void (*)(CLI::App& app, int& exit_code);
 
 /// Every command there is, in the order of commands/list.inc.
 std::vector<RegisterCommand> commands();
+
+/// The names of the commands of the whole program, or of the subcommands of one.
+std::vector<std::string> command_names(const CLI::App& app);
+
+/// The command of a name, such as "run" or "store pack"; an Error with the nearest name if there is none.
+const CLI::App& find_command(const CLI::App& program, const std::vector<std::string>& names);
+
+/// Runs the command line and gives the exit code. A command line that is none is an Error.
+int run_command_line(int argc, const char* const* argv);
 
 /// Whether text on this file descriptor may be coloured: a terminal, NO_COLOR unset, and not switched off by --color.
 bool use_color(int file_descriptor);

@@ -1,44 +1,89 @@
 #include "gust/control/network_policy.h"
 
+#include <algorithm>
 #include <vector>
 
-#include "gust/core/error.h"
+#include "gust/nn/wide_mlp.h"
 
 namespace gust {
 namespace {
 
-class NetworkPolicy final : public Policy {
+constexpr std::size_t kLanes = 64;  // that pass the network together
+
+/// Components x lanes, some lanes of them, become lanes x components, each rounded to float32 on the way.
+template <class T>
+void by_lane(Rows<const double> from, std::size_t first, std::span<T> to) {
+  for (std::size_t i = 0; i < from.rows; ++i) {
+    for (std::size_t lane = 0; lane * from.rows < to.size(); ++lane) {
+      to[lane * from.rows + i] = static_cast<float>(from.at(i, first + lane));
+    }
+  }
+}
+
+template <class T>
+void by_component(std::span<const T> from, std::size_t first, Rows<double> to) {
+  for (std::size_t i = 0; i < to.rows; ++i) {
+    for (std::size_t lane = 0; lane * to.rows < from.size(); ++lane) {
+      to.at(i, first + lane) = static_cast<double>(from[lane * to.rows + i]);
+    }
+  }
+}
+
+/// A chain of linear layers, computed in double: what is left is the rounding of the observation.
+class MlpPolicy final : public Policy {
  public:
-  explicit NetworkPolicy(OnnxModel model) : model_(std::move(model)), runner_(model_) {}
-  NetworkPolicy(const NetworkPolicy&) = delete;  // the runner refers to the model
-  NetworkPolicy& operator=(const NetworkPolicy&) = delete;
+  explicit MlpPolicy(const Mlp<float>& mlp) : mlp_(mlp, kLanes), in_(kLanes * observations()) {}
+
+  std::size_t observations() const override { return mlp_.inputs(); }
+  std::size_t actions() const override { return mlp_.outputs(); }
+
+  void act(Rows<const double> observation, Rows<double> action) override {
+    for (std::size_t lane = 0; lane < observation.lanes; lane += kLanes) {
+      const std::size_t count = std::min(kLanes, observation.lanes - lane);
+      const std::span<double> in(in_.data(), count * observations());
+      by_lane(observation, lane, in);
+      by_component(mlp_.forward(in), lane, action);
+    }
+  }
+
+ private:
+  WideMlp mlp_;
+  std::vector<double> in_;  // lanes x components
+};
+
+/// Any other network, in float32.
+class GraphPolicy final : public Policy {
+ public:
+  explicit GraphPolicy(OnnxModel model)
+      : model_(std::move(model)), runner_(model_), in_(kLanes * observations()), out_(kLanes * actions()) {}
+  GraphPolicy(const GraphPolicy&) = delete;  // the runner refers to the model
+  GraphPolicy& operator=(const GraphPolicy&) = delete;
 
   std::size_t observations() const override { return model_.observations(); }
   std::size_t actions() const override { return model_.actions(); }
 
   void act(Rows<const double> observation, Rows<double> action) override {
-    const std::size_t lanes = observation.lanes;
-    in_.resize(lanes * observations());
-    out_.resize(lanes * actions());
-    for (std::size_t i = 0; i < observations(); ++i) {
-      for (std::size_t lane = 0; lane < lanes; ++lane) {
-        in_[lane * observations() + i] = static_cast<float>(observation.at(i, lane));
-      }
-    }
-    runner_.run(in_, lanes, out_);
-    for (std::size_t i = 0; i < actions(); ++i) {
-      for (std::size_t lane = 0; lane < lanes; ++lane) action.at(i, lane) = out_[lane * actions() + i];
+    for (std::size_t lane = 0; lane < observation.lanes; lane += kLanes) {
+      const std::size_t count = std::min(kLanes, observation.lanes - lane);
+      const std::span<float> in(in_.data(), count * observations());
+      const std::span<float> out(out_.data(), count * actions());
+      by_lane(observation, lane, in);
+      runner_.run(in, count, out);
+      by_component<float>(out, lane, action);
     }
   }
 
  private:
   OnnxModel model_;
   OnnxRunner runner_;
-  std::vector<float> in_, out_;  // lanes x features
+  std::vector<float> in_, out_;  // lanes x components
 };
 
 }  // namespace
 
-std::unique_ptr<Policy> network_policy(OnnxModel model) { return std::make_unique<NetworkPolicy>(std::move(model)); }
+std::unique_ptr<Policy> network_policy(OnnxModel model, Arithmetic arithmetic) {
+  if (model.mlp && arithmetic == Arithmetic::kDouble) return std::make_unique<MlpPolicy>(*model.mlp);
+  return std::make_unique<GraphPolicy>(std::move(model));
+}
 
 }  // namespace gust

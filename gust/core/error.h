@@ -4,15 +4,16 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace gust {
 
-/// Joins values to one text; floating point numbers in their shortest form that reads back to the same value.
+/// Joins at most 32 values to one text; floating point numbers in their shortest form that reads back to the same value.
 template <class... Parts>
 std::string cat(const Parts&... parts) {
-  fmt::memory_buffer text;
-  (fmt::format_to(std::back_inserter(text), "{}", parts), ...);
-  return fmt::to_string(text);
+  static constexpr std::string_view kSlots = "{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}";
+  static_assert(2 * sizeof...(Parts) <= kSlots.size());
+  return fmt::vformat(kSlots.substr(0, 2 * sizeof...(Parts)), fmt::make_format_args(parts...));
 }
 
 /// Something that the user can mend. The message reads "where: what; what would be right".

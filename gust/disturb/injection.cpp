@@ -63,12 +63,12 @@ std::vector<double> read_mask(const Value& value, std::size_t channels) {
   return mask;
 }
 
-std::int64_t read_step(const Table& table, const char* key, std::int64_t standard, std::int64_t steps) {
+std::int64_t read_step(const Table& table, const char* key, std::int64_t standard, std::int64_t last) {
   const Value* value = table.find(key);
   if (value == nullptr) return standard;
   const std::int64_t step = value->as_int(key);
-  if (step < 0 || step > steps) {
-    throw error_at(value->place, "'", key, "' must lie within the episode, 0 to ", steps, ", got ", step);
+  if (step < 0 || step > last) {
+    throw error_at(value->place, "'", key, "' must lie within the episode, 0 to ", last, ", got ", step);
   }
   return step;
 }
@@ -126,7 +126,7 @@ Injection read_injection(const Table& table, const PlantSpec& spec, const std::v
   injection.factors.assign(names.size(), 1.0);
   if (const Value* channels = table.find("channels")) injection.factors = read_channels(*channels, names);
   if (const Value* mask = table.find("mask")) injection.factors = read_mask(*mask, names.size());
-  injection.start = read_step(table, "start", 0, spec.steps);
+  injection.start = read_step(table, "start", 0, spec.steps - 1);
   injection.end = read_step(table, "end", injection.end, spec.steps);
   if (injection.end <= injection.start) {
     throw error_at(table.find("end")->place, "'end' must be after 'start', got ", injection.end, " and ",

@@ -69,6 +69,26 @@ void add_bias(std::span<const T> bias, std::span<T> y);
 template <class T>
 void through_activations(Activation kind, std::span<const T> y, std::span<T> dy, std::span<T> bias_gradient);
 
+template <class T>
+struct ActivationGradient {
+  std::span<T> sums;  ///< lanes x width, overwritten
+  std::span<T> bias;  ///< added onto
+};
+
+/// A layer of one output above some activations, and the gradient dy [lanes] at that output.
+template <class T>
+struct SingleOutput {
+  std::span<const T> weights;
+  std::span<const T> dy;
+  std::span<T> weight_gradient;  ///< added onto
+};
+
+/// In one pass, to the same bits: the gradient of the output's weights, and dz = through_activations of dy times the
+/// weights, which is written.
+template <class T>
+void through_single_output(Activation kind, std::span<const T> y, const SingleOutput<T>& output,
+                           const ActivationGradient<T>& gradient);
+
 /// Adds the columns of dy up over the lanes, in their order, onto bias_gradient.
 template <class T>
 void add_columns(std::span<const T> dy, std::span<T> bias_gradient);

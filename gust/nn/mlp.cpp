@@ -38,7 +38,7 @@ MlpWorkspace<T>::MlpWorkspace(const MlpShape& shape, std::size_t max_lanes) : sh
   }
   output_major_.resize(shape.layers());
   for (Buffer<T>& gradient : sum_gradients_) gradient.resize(std::min(kBlock, max_lanes) * widest);
-  unused_bias_gradient_.resize(widest);
+  unused_gradient_.resize(Mlp<T>(shape).parameters().size());
 }
 
 template <class T>
@@ -96,29 +96,42 @@ void MlpWorkspace<T>::backward_all(const Mlp<T>& mlp, std::span<const T> output_
 
 template <class T>
 void MlpWorkspace<T>::backward_block(const Mlp<T>& mlp, Lanes lanes, const T* dz, Gradients gradients) noexcept {
+  T* sums = gradients.parameters != nullptr ? gradients.parameters : unused_gradient_.data();
   for (std::size_t layer = layers_.size(); layer-- > 0;) {
-    const Dense<T>& dense = layers_[layer];
-    if (gradients.parameters != nullptr) {
-      T* weight_gradient = gradients.parameters + mlp.weights_at(layer);
-      dense.add_weight_gradient(input_of(layer, lanes.first), dz, weight_gradient, lanes.count);
-    }
-    if (layer == 0) break;
     T* below = sum_gradients_[layer % 2].data();
-    T* bias_gradient = gradients.parameters != nullptr ? gradients.parameters + mlp.biases_at(layer - 1)
-                                                       : unused_bias_gradient_.data();
-    dense.input_gradient(output_major_[layer], dz, below, lanes.count);
-    activation_gradient(layer - 1, lanes, below, bias_gradient);
+    if (layer > 0 && shape_.sizes[layer + 1] == 1) {
+      below_single_output(mlp, lanes, {dz, below, sums});
+    } else {
+      if (gradients.parameters != nullptr)
+        layers_[layer].add_weight_gradient(input_of(layer, lanes.first), dz, sums + mlp.weights_at(layer), lanes.count);
+      if (layer == 0) break;
+      layers_[layer].input_gradient(output_major_[layer], dz, below, lanes.count);
+      through_activations(shape_.activation, activations(layer - 1, lanes),
+                          std::span(below, lanes.count * shape_.sizes[layer]),
+                          std::span(sums + mlp.biases_at(layer - 1), shape_.sizes[layer]));
+    }
     dz = below;
   }
   if (gradients.input != nullptr)
     layers_[0].input_gradient(output_major_[0], dz, gradients.input + lanes.first * shape_.inputs(), lanes.count);
 }
 
+/// The last layer and the activations below it in one pass.
 template <class T>
-void MlpWorkspace<T>::activation_gradient(std::size_t layer, Lanes lanes, T* dz, T* bias_gradient) noexcept {
+void MlpWorkspace<T>::below_single_output(const Mlp<T>& mlp, Lanes lanes, Step step) noexcept {
+  const std::size_t layer = layers_.size() - 1;
+  const std::size_t width = shape_.sizes[layer];
+  const SingleOutput<T> output = {mlp.parameters().subspan(mlp.weights_at(layer), width),
+                                  {step.dz, lanes.count},
+                                  {step.sums + mlp.weights_at(layer), width}};
+  through_single_output(shape_.activation, activations(layer - 1, lanes), output,
+                        {{step.below, lanes.count * width}, {step.sums + mlp.biases_at(layer - 1), width}});
+}
+
+template <class T>
+std::span<const T> MlpWorkspace<T>::activations(std::size_t layer, Lanes lanes) const {
   const std::size_t width = shape_.sizes[layer + 1];
-  const std::span<const T> y(outputs_[layer].data() + lanes.first * width, lanes.count * width);
-  through_activations(shape_.activation, y, std::span(dz, y.size()), std::span(bias_gradient, width));
+  return std::span(outputs_[layer]).subspan(lanes.first * width, lanes.count * width);
 }
 
 template class Mlp<float>;

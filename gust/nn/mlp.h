@@ -103,10 +103,17 @@ class MlpWorkspace {
     T* input = nullptr;       // lanes x inputs, overwritten
   };
 
+  struct Step {
+    const T* dz;  // at the sums of the upper layer
+    T* below;     // at those of the lower one, to be written
+    T* sums;      // gradient of all parameters
+  };
+
   void forward_block(const Mlp<T>& mlp, Lanes lanes) noexcept;
   void backward_block(const Mlp<T>& mlp, Lanes lanes, const T* dz, Gradients gradients) noexcept;
   void backward_all(const Mlp<T>& mlp, std::span<const T> output_gradient, Gradients gradients) noexcept;
-  void activation_gradient(std::size_t layer, Lanes lanes, T* dz, T* bias_gradient) noexcept;
+  void below_single_output(const Mlp<T>& mlp, Lanes lanes, Step step) noexcept;
+  std::span<const T> activations(std::size_t layer, Lanes lanes) const;
   const T* input_of(std::size_t layer, std::size_t lane) const;
 
   static constexpr std::size_t kBlock = 64;  // lanes that pass all layers together, to stay in the near caches
@@ -120,7 +127,7 @@ class MlpWorkspace {
   std::vector<Buffer<T>> transposed_;       // weights of each layer, where it needs them
   std::vector<const T*> output_major_;      // weights of each layer during a backward pass
   std::array<Buffer<T>, 2> sum_gradients_;  // at the sums of two layers in turn
-  Buffer<T> unused_bias_gradient_;
+  Buffer<T> unused_gradient_;
 };
 
 }  // namespace gust

@@ -220,8 +220,8 @@ OnnxNode GraphReader::read_node(const onnx::NodeProto& proto) {
   node.inputs.assign(proto.input().begin(), proto.input().end());
   node.outputs.assign(proto.output().begin(), proto.output().end());
   for (const auto& attribute : proto.attribute()) {
-    if (auto value = read_attribute(attribute, node.name))
-      node.attributes.insert_or_assign(attribute.name(), *std::move(value));
+    auto value = read_attribute(attribute, node.name);
+    if (value) node.attributes.insert_or_assign(attribute.name(), *std::move(value));
   }
   return node;
 }

@@ -104,8 +104,9 @@ std::size_t OnnxLowering::elements(const OnnxDims& dims) const {
     if (dim < 0 || static_cast<std::uint64_t>(dim) > kOnnxElements) fail(cat("makes a value of the size ", dim));
     empty = empty || dim == 0;
     count *= static_cast<std::size_t>(std::max<std::int64_t>(dim, 1));
-    if (count > kOnnxElements)
+    if (count > kOnnxElements) {
       fail(cat("makes a value of more than ", kOnnxElements, " numbers, the limit for a policy"));
+    }
   }
   return empty ? 0 : count;
 }
@@ -247,8 +248,9 @@ std::size_t OnnxLowering::add_buffer(const OnnxDims& dims) {
   const std::size_t width = elements(dims);
   if (width == 0) fail("makes a value without elements");
   width_ += width;
-  if (width_ > kOnnxWidth)
+  if (width_ > kOnnxWidth) {
     fail(cat("brings the values between the nodes above ", kOnnxWidth, " numbers, the limit for a policy"));
+  }
   return program_.add_buffer(width);
 }
 

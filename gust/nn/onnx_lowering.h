@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "gust/core/error.h"
 #include "gust/nn/onnx_graph.h"
 #include "gust/nn/onnx_program.h"
 
@@ -49,8 +50,7 @@ class OnnxLowering {
     const OnnxAttribute* found = find_attribute(name);
     if (found == nullptr) return fallback;
     const T* value = std::get_if<T>(found);
-    if (value == nullptr)
-      fail("attribute " + onnx_quoted(name) + " has the wrong type; see the definition of the operator");
+    if (value == nullptr) fail(cat("attribute ", onnx_quoted(name), " has the wrong type for this operator"));
     return *value;
   }
 

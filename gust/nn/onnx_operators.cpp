@@ -30,8 +30,9 @@ const std::vector<float>& constant_floats(const OnnxLowering& at, const OnnxValu
 
 Weights read_weights(const OnnxLowering& at, const OnnxValue& value, bool transposed, float factor) {
   const std::vector<float>& values = constant_floats(at, value, "weights");
-  if (value.dims.size() != 2)
+  if (value.dims.size() != 2) {
     at.fail(cat("multiplies with ", value.dims.size(), " dimensions; the weights must be a matrix"));
+  }
   const auto rows = static_cast<std::size_t>(value.dims[0]);
   const auto columns = static_cast<std::size_t>(value.dims[1]);
   Weights weights{.inputs = transposed ? columns : rows, .outputs = transposed ? rows : columns};
@@ -46,8 +47,9 @@ Weights read_weights(const OnnxLowering& at, const OnnxValue& value, bool transp
 }
 
 void check_product(const OnnxLowering& at, const OnnxValue& from, std::size_t inputs) {
-  if (from.dims.empty() || from.dims.back() == kOnnxBatch)
+  if (from.dims.empty() || from.dims.back() == kOnnxBatch) {
     at.fail("multiplies across the batch; every lane must stay by itself");
+  }
   if (from.dims.back() != static_cast<std::int64_t>(inputs)) {
     at.fail(cat("multiplies ", from.dims.back(), " numbers with weights for ", inputs));
   }

@@ -46,14 +46,21 @@ void for_each_source(const OnnxStep& step, F visit) {
   }
 }
 
+// Floats reach far beyond the range in which exp() is neither zero nor infinite; the bounds keep its integers from
+// overflowing.
+double exponential(double x) {
+  const double above = x < -709.0 ? -709.0 : x;
+  return exp(above > 710.0 ? 710.0 : above);
+}
+
 double hyperbolic_tangent(double x) {
   const double size = x < 0.0 ? -x : x;
-  const double y = 1.0 - 2.0 / (exp(2.0 * size) + 1.0);
+  const double y = 1.0 - 2.0 / (exponential(2.0 * size) + 1.0);
   return x < 0.0 ? -y : y;
 }
 
 double softplus(double x) {
-  const double tail = exp(x < 0.0 ? x : -x);
+  const double tail = exponential(x < 0.0 ? x : -x);
   return (x < 0.0 ? 0.0 : x) + log(1.0 + tail);  // NaN stays NaN
 }
 
@@ -68,8 +75,8 @@ void apply(const OnnxDense& dense, std::span<const float> from, float* to) {
 void apply(const OnnxMap& map, std::span<const float> from, float* to) {
   const float a = map.a;
   const float b = map.b;
-  const auto elu = [a](float x) { return x < 0.0f ? static_cast<float>(a * (exp(double{x}) - 1.0)) : x; };
-  const auto sigmoid = [](float x) { return static_cast<float>(1.0 / (1.0 + exp(-double{x}))); };
+  const auto elu = [a](float x) { return x < 0.0f ? static_cast<float>(a * (exponential(double{x}) - 1.0)) : x; };
+  const auto sigmoid = [](float x) { return static_cast<float>(1.0 / (1.0 + exponential(-double{x}))); };
   const auto clip = [a, b](float x) {
     const float above = x < a ? a : x;
     return above > b ? b : above;
@@ -88,7 +95,7 @@ void apply(const OnnxMap& map, std::span<const float> from, float* to) {
     case OnnxFunction::kSoftplus:
       return map_all(from, to, [](float x) { return static_cast<float>(softplus(x)); });
     case OnnxFunction::kExp:
-      return map_all(from, to, [](float x) { return static_cast<float>(exp(double{x})); });
+      return map_all(from, to, [](float x) { return static_cast<float>(exponential(double{x})); });
     case OnnxFunction::kSqrt:
       return map_all(from, to, [](float x) { return std::sqrt(x); });
     case OnnxFunction::kClip:
@@ -144,10 +151,7 @@ OnnxProgramRunner::OnnxProgramRunner(OnnxProgram program) : program_(std::move(p
   scratch_.assign(total, 0.0f);
   for (OnnxStep& step : program_.steps) {
     auto* dense = std::get_if<OnnxDense>(&step);
-    if (dense == nullptr) continue;
-    const auto rows = static_cast<int>(dense->rows * kBlock);
-    dense->product =
-        Product<float>({.m = static_cast<int>(dense->outputs), .n = rows, .k = static_cast<int>(dense->inputs)});
+    if (dense != nullptr) dense->product = product_of(*dense, dense->rows * kBlock);
   }
 }
 

@@ -155,8 +155,9 @@ Joined read_parts(const OnnxLowering& at) {
     }
     OnnxDims others = part.dims;
     if (others.size() == joined.dims.size()) others[joined.axis] = joined.dims[joined.axis];
-    if (others != joined.dims)
+    if (others != joined.dims) {
       at.fail("joins values of different shapes, or constants with what depends on the observation");
+    }
     size += part.dims[joined.axis];
     joined.parts.push_back(&part);
   }

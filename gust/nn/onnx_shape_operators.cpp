@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -139,8 +138,8 @@ void lower_unsqueeze(OnnxLowering& at) {
   if (rank > static_cast<std::size_t>(kOnnxRank)) at.fail("makes too many dimensions");
   std::vector<bool> added(rank, false);
   for (const std::int64_t index : axes) added[at.axis(index, rank)] = true;
-  if (std::count(added.begin(), added.end(), true) != static_cast<std::ptrdiff_t>(axes.size()))
-    at.fail("names an axis twice");
+  const auto ones = static_cast<std::size_t>(std::count(added.begin(), added.end(), true));
+  if (ones != axes.size()) at.fail("names an axis twice");
   if (batched(from.dims) && added[0]) at.fail("moves the batch away from the first dimension");
   OnnxDims dims;
   auto next = from.dims.begin();

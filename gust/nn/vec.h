@@ -3,6 +3,7 @@
 #include <immintrin.h>
 
 #include <cstddef>
+#include <utility>
 
 namespace gust {
 
@@ -51,5 +52,12 @@ inline float greater(float a, float b) { return a > b ? a : b; }
 inline double greater(double a, double b) { return a > b ? a : b; }
 inline Vec<float> greater(Vec<float> a, Vec<float> b) { return _mm256_max_ps(a, b); }
 inline Vec<double> greater(Vec<double> a, Vec<double> b) { return _mm256_max_pd(a, b); }
+
+/// f(0) … f(kCount - 1), written out one after the other so that small arrays stay in registers.
+template <std::size_t kCount, class F>
+[[gnu::always_inline]] inline void unrolled(F&& f) {
+  [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) { (f(i), ...); }
+  (std::make_index_sequence<kCount>{});
+}
 
 }  // namespace gust

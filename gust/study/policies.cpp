@@ -1,7 +1,6 @@
 #include "gust/study/policies.h"
 
 #include "gust/control/lqr.h"
-#include "gust/control/network_policy.h"
 #include "gust/core/text.h"
 
 namespace gust {
@@ -52,11 +51,12 @@ std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, c
                  " that ends in .onnx");
 }
 
-std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup) {
+std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,
+                                    Arithmetic arithmetic) {
   OnnxModel model = read_onnx(bytes, name);
   check_sizes(model, name, setup);
   check_metadata(model, name, setup);
-  return network_policy(std::move(model));
+  return network_policy(std::move(model), arithmetic);
 }
 
 }  // namespace gust

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "gust/control/policy.h"
+#include "gust/control/network_policy.h"
 #include "gust/study/setup.h"
 
 namespace gust {
@@ -15,6 +15,7 @@ std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, c
 
 /// The policy of an ONNX file. An Error that starts with `name` if the bytes are no policy, if inputs or outputs do not
 /// fit the plant, or if the metadata gust.plant, gust.preset or gust.units say that it was made for something else.
-std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup);
+std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,
+                                    Arithmetic arithmetic = Arithmetic::kDouble);
 
 }  // namespace gust

@@ -2,6 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gust/core/rng.h"
 #include "gust/nn/onnx.h"
 
 namespace gust {
@@ -44,29 +49,56 @@ TEST_CASE("an ONNX policy sees the observation in float32 and leaves its action 
   CHECK(std::isnan(action.at(0, 2)));
 }
 
-TEST_CASE("an ONNX policy acts on a lane as if it were alone") {
+/// A network with two hidden layers of 64 and normal weights.
+std::string random_policy_file() {
   Mlp<float> mlp(MlpShape{.sizes = {4, 64, 64, 1}});
   const Rng rng(1);
   for (std::size_t i = 0; i < mlp.parameters().size(); ++i) mlp.parameters()[i] = static_cast<float>(rng.normal(i));
-  const std::string bytes = write_onnx(mlp, {});
-  constexpr std::size_t kLanes = 131;
-  Matrix<double> observation(4, kLanes);
+  return write_onnx(mlp, {});
+}
+
+Matrix<double> random_observations(std::size_t lanes) {
+  Matrix<double> observation(4, lanes);
   for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) observation.at(i, lane) = rng.normal(10'000 + i * kLanes + lane);
+    for (std::size_t lane = 0; lane < lanes; ++lane) observation.at(i, lane) = Rng(2).normal(i * lanes + lane);
   }
-  Matrix<double> together(1, kLanes);
-  onnx_policy(bytes, "p.onnx", cartpole())->act(observation.view(), together.view());
+  return observation;
+}
 
-  const auto policy = onnx_policy(bytes, "p.onnx", cartpole());
-  bool equal = true;
+TEST_CASE("an ONNX policy acts on a lane as if it were alone, in float and in double") {
+  constexpr std::size_t kLanes = 131;
+  const Matrix<double> observation = random_observations(kLanes);
+  for (const Arithmetic arithmetic : {Arithmetic::kFloat, Arithmetic::kDouble}) {
+    const auto policy = onnx_policy(random_policy_file(), "p.onnx", cartpole(), arithmetic);
+    Matrix<double> together(1, kLanes);
+    policy->act(observation.view(), together.view());
+
+    bool equal = true;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      Matrix<double> one(4, 1), action(1, 1);
+      for (std::size_t i = 0; i < 4; ++i) one.at(i, 0) = observation.at(i, lane);
+      policy->act(one.view(), action.view());
+      equal = equal && action.at(0, 0) == together.at(0, lane);
+    }
+
+    CHECK(equal);
+  }
+}
+
+TEST_CASE("an ONNX policy in float differs from that in double by float's rounding alone") {
+  constexpr std::size_t kLanes = 64;
+  const Matrix<double> observation = random_observations(kLanes);
+  Matrix<double> single(1, kLanes), wide(1, kLanes);
+
+  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kFloat)->act(observation.view(), single.view());
+  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kDouble)->act(observation.view(), wide.view());
+
+  double worst = 0;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    Matrix<double> one(4, 1), action(1, 1);
-    for (std::size_t i = 0; i < 4; ++i) one.at(i, 0) = observation.at(i, lane);
-    policy->act(one.view(), action.view());
-    equal = equal && action.at(0, 0) == together.at(0, lane);
+    worst = std::max(worst, std::abs(single.at(0, lane) - wide.at(0, lane)));
   }
-
-  CHECK(equal);
+  CHECK(worst > 0);
+  CHECK(worst < 1e-4);  // the sum over 64 activations with normal weights is about 8; tanh in float is within 5e-7
 }
 
 TEST_CASE("an ONNX policy that does not fit the plant is an error that names the file") {

@@ -65,17 +65,19 @@ Table preset_part(const Preset& preset, std::string_view plant, std::string_view
   return found ? *found : Table{};
 }
 
+bool has_agent_profile(const Preset& preset, std::string_view agent, std::string_view plant) {
+  return inner(inner(&preset.table, kAgents), agent) || inner(inner(inner(&preset.table, plant), kAgents), agent);
+}
+
 Table agent_profile(std::string_view agent, std::string_view plant, std::string_view profile, const Place& place) {
   std::vector<std::string> names;
   for (const Preset& preset : presets()) {
-    const Table* general = inner(inner(&preset.table, kAgents), agent);
-    const Table* special = inner(inner(inner(&preset.table, plant), kAgents), agent);
-    if (general == nullptr && special == nullptr) continue;
+    if (!has_agent_profile(preset, agent, plant)) continue;
     names.push_back(preset.name);
     if (preset.name != profile) continue;
     Table options;
-    replace(options, general);
-    replace(options, special);
+    replace(options, inner(inner(&preset.table, kAgents), agent));
+    replace(options, inner(inner(inner(&preset.table, plant), kAgents), agent));
     options.place = place;
     return options;
   }

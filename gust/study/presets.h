@@ -32,6 +32,9 @@ const Preset& preset_at(std::string_view name, std::string_view plant, const Pla
 /// What a preset says about a plant's "plant" or "readings"; an empty table if nothing.
 Table preset_part(const Preset& preset, std::string_view plant, std::string_view part);
 
+/// Whether the preset says anything about an agent on this plant or on any.
+bool has_agent_profile(const Preset& preset, std::string_view agent, std::string_view plant);
+
 /// The options of an agent under a profile: those for any plant, then those for this one. An Error at the place if
 /// there is no such profile, or none for the agent.
 Table agent_profile(std::string_view agent, std::string_view plant, std::string_view profile,

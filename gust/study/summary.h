@@ -20,7 +20,7 @@ struct Series {
   std::size_t start = 0;
   std::size_t cells = 0;
   std::vector<Estimate> values = {};  ///< [metric][cell], metrics as in MetricSet
-  Unit unit = Unit::none;        ///< what the intervals were resampled over
+  Unit unit = Unit::none;             ///< what the intervals were resampled over
   std::size_t units = 0;
   Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
   bool has_margin = false;

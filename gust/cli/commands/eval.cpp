@@ -1,0 +1,79 @@
+#include "gust/cli/eval.h"
+
+#include <fmt/format.h>
+
+#include "gust/cli/command.h"
+#include "gust/study/files.h"
+
+namespace gust {
+namespace {
+
+constexpr const char* kAbout =
+    "Runs a policy in closed loop and prints what every episode measured.\n\n"
+    "POLICY is a file that ends in .onnx, lqr, or zero. A disturbance needs --site, --waveform and --level; --set then "
+    "also takes the waveform's options, channels (names), mask (such as 10), start and end (control steps). --set "
+    "takes readings (effort, saturate, command_clip, tap_point) and options of the plant as well: the policy lqr is "
+    "designed for them. --param changes the plant behind the policy's back: the policy stays what it was.";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  gust eval lqr --plant cartpole --preset scg-2022 --start random --episodes 25\n"
+    "  gust eval ppo.onnx --plant cartpole --site dynamics --waveform impulse --level 2 --set mask=10 --set duration=3 "
+    "--json\n"
+    "  gust eval lqr --plant cartpole --start 0.1,0,0.05,0 --param pole_length=x2 --terminate no --json\n\n"
+    "JSON: an array, one object an episode: length, failed, return_sum_commanded, return_sum_disturbed, every metric "
+    "by its name, initial_state and final_state in the plant's order. Length, sums, rmse_paper, rmse_scg, rmse_sum and "
+    "final_state are over the row's steps: up to failure, or with --terminate no the whole horizon; the other metrics "
+    "keep their definition (gust list metrics).";
+
+void add_options(CLI::App& command, EvalRequest& request) {
+  command.add_option("POLICY", request.policy, "FILE.onnx, lqr or zero")->required();
+  command.add_option("--plant", request.plant, "kind of the plant (gust list plants)")->required()->type_name("KIND");
+  command.add_option("--preset", request.preset, "options and readings to start from (gust list presets)")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command.add_option("--start", request.start, "nominal, random, or a state: x,x_dot,...")
+      ->capture_default_str()
+      ->type_name("START");
+  command.add_option("--site", request.site, "where the disturbance enters: observation, action or dynamics")
+      ->type_name("SITE");
+  command.add_option("--waveform", request.waveform, "its shape (gust list waveforms)")->type_name("KIND");
+  command.add_option("--level", request.level, "what the shape is multiplied by")->type_name("NUMBER");
+  command
+      .add_option("--set", request.settings, "an option of the waveform, the disturbance, the readings or the plant")
+      ->type_name("KEY=VALUE");
+  command.add_option("--param", request.parameters, "a parameter of the plant: 0.6, or x1.5 to scale it")
+      ->type_name("NAME=VALUE");
+  command.add_option("--terminate", request.terminate, "yes or no: whether failure ends the episode")
+      ->capture_default_str()
+      ->type_name("WORD");
+  command.add_option("--episodes", request.episodes, "how many (default: 25 from random starts, else 1)")
+      ->type_name("N");
+  command.add_option("--seed", request.seed, "of all that is random")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->capture_default_str()
+      ->type_name("N");
+}
+
+}  // namespace
+
+void command_eval(CLI::App& app, int&) {
+  struct Options {
+    EvalRequest request;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();  // shared: the callback outlives this function
+  CLI::App* command = app.add_subcommand("eval", "Runs a policy in closed loop and prints what it measured");
+  command->description(kAbout);
+  command->footer(kExamples);
+  add_options(*command, options->request);
+  command->add_flag("--json", options->json, "print one JSON array, one object an episode");
+  command->callback([options] {
+    const EvalRequest& request = options->request;
+    const std::string bytes = request.has_file() ? read_file(request.policy) : std::string();
+    const std::vector<EvalRow> rows = run_eval(request, bytes);
+    fmt::print("{}", options->json ? eval_json(rows) : eval_table(rows));
+  });
+}
+
+}  // namespace gust

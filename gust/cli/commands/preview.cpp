@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/cli/command.h"
+#include "gust/cli/terminal_chart.h"
+#include "gust/study/folder.h"
+#include "gust/study/trials.h"
+
+namespace gust {
+namespace {
+
+/// The channels that are drawn once: alone if the waveform is random, else with all that look the same.
+std::vector<std::vector<std::size_t>> channel_groups(const Injection& injection) {
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t c = 0; c < injection.factors.size(); ++c) {
+    if (injection.factors[c] == 0) continue;
+    const auto alike = std::ranges::find_if(groups, [&](const std::vector<std::size_t>& group) {
+      return !injection.waveform->random() && injection.factors[group.front()] == injection.factors[c];
+    });
+    if (alike == groups.end()) {
+      groups.push_back({c});
+    } else {
+      alike->push_back(c);
+    }
+  }
+  return groups;
+}
+
+/// One injection at a level over the steps of an episode.
+struct Drawn {
+  const Injection& injection;
+  std::size_t index;  ///< among the signals
+  double level;
+};
+
+std::string drawing(const Drawn& drawn, const Signals& signals, const PlantSpec& spec) {
+  const std::vector<Component>& channels = channels_of(drawn.injection.site, spec);
+  std::string text;
+  for (const std::vector<std::size_t>& group : channel_groups(drawn.injection)) {
+    std::vector<std::string> names;
+    for (const std::size_t channel : group)
+      names.push_back(cat(channels[channel].name, " [", channels[channel].unit, "]"));
+    std::vector<double> values(static_cast<std::size_t>(spec.steps));
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      values[k] = drawn.level * signals.channel(drawn.index, group.front())[k];
+    }
+    text += cat("  ", join(names, ", "), "\n", terminal_chart(values, {.unicode = locale_is_utf8()}));
+  }
+  return text + fmt::format("{:>11}{:<8.4g}{:>{}.4g} s\n", "", 0.0, static_cast<double>(spec.steps) / spec.control_rate,
+                            ChartStyle{}.columns - 10);
+}
+
+std::string numbers_text(const std::vector<double>& values) {
+  if (values.empty()) return "found by the run";
+  if (values.size() == 1) return cat(values.front());
+  return cat(values.front(), " to ", values.back(), " in ", values.size(), " values");
+}
+
+std::string axes_text(const Sweep& sweep) {
+  std::vector<std::string> parts;
+  for (const Sweep::Axis& axis : sweep.axes) {
+    parts.push_back(cat(axis.parameter.empty() ? "level" : axis.parameter, " ", numbers_text(axis.values)));
+  }
+  return join(parts, ", ");
+}
+
+/// The greatest level of a sweep, or one where that draws nothing.
+double shown_level(const Sweep& sweep) {
+  double shown = 0;
+  for (const double level : sweep.axes.front().values) shown = std::abs(level) > std::abs(shown) ? level : shown;
+  return shown == 0 ? 1.0 : shown;
+}
+
+std::string preview_sweep(const Study& study, std::size_t index) {
+  const Sweep& sweep = study.sweeps[index];
+  std::string text = cat("\n", sweep.name, ": ", axes_text(sweep), "\n");
+  if (!sweep.injection) return text;
+  Trial trial;
+  trial.sweep = index;
+  const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
+  const Drawn drawn{*sweep.injection, task->injections.size() - 1, shown_level(sweep)};
+  text += cat("  ", sweep.injection->canonical(), "; drawn at level ", drawn.level, "\n");
+  return text + drawing(drawn, episode_signals(task->evaluation, 0), study.setup.plant->spec());
+}
+
+/// What is on in every evaluation.
+std::string preview_always(const Study& study) {
+  const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, Trial{});
+  std::string text;
+  for (std::size_t i = 0; i < study.always.size(); ++i) {
+    const Drawn drawn{study.always[i], i, study.always[i].level};
+    text += cat("\nin every evaluation\n  ", drawn.injection.canonical(), "; level ", drawn.level, "\n");
+    text += drawing(drawn, episode_signals(task->evaluation, 0), study.setup.plant->spec());
+  }
+  return text;
+}
+
+/// What is on while a policy is trained: said, not drawn, for every training episode meets another realisation.
+std::string preview_training(const Study& study) {
+  std::string text;
+  for (const StudyPolicy& policy : study.policies) {
+    for (const Injection& injection : policy.disturbed) {
+      text += cat("\nwhile ", policy.name, " trains\n  ", injection.canonical(), "; level ", injection.level, "\n");
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void command_preview(CLI::App& app, int&) {
+  struct Options {
+    std::string study;
+    std::vector<std::string> settings;
+  };
+  auto options = std::make_shared<Options>();  // shared: the callback outlives this function
+  CLI::App* command = app.add_subcommand("preview",
+                                         "Draws the disturbances of a study in the terminal and runs nothing\n\n"
+                                         "Random ones are drawn as the first evaluation episode meets them; a sweep at "
+                                         "its greatest level.");
+  command->add_option("STUDY", options->study, "the study, a TOML file")->required();
+  command->add_option("--set", options->settings, "replace a value of the study")->type_name("KEY=VALUE");
+  command->footer("Example:\n  gust preview studies/demo.toml");
+  command->callback([options] {
+    const Study study = StudyFolder::read(options->study, options->settings);
+    const PlantSpec& spec = study.setup.plant->spec();
+    std::string text = cat(study.name, ": ", study.setup.plant.kind, ", ", study.setup.preset, ", ", spec.steps,
+                           " control steps at ", spec.control_rate, " Hz\n");
+    text += preview_always(study) + preview_training(study);
+    for (std::size_t i = 0; i < study.sweeps.size(); ++i) text += preview_sweep(study, i);
+    fmt::print("{}", text);
+  });
+}
+
+}  // namespace gust

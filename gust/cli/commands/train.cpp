@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "gust/cli/command.h"
+#include "gust/cli/progress.h"
+#include "gust/cli/signals.h"
+#include "gust/cli/training_run.h"
+
+namespace gust {
+namespace {
+
+constexpr const char* kAbout =
+    "Trains a policy and writes it as an ONNX file.\n\n"
+    "The path of the file is what is printed; progress goes to stderr. Stopped with Ctrl-C or killed, the same command "
+    "goes on where it was and gives the same file. --set takes options of the agent (gust describe agent AGENT), then "
+    "readings and options of the plant; profile=modern chooses another set of the agent's options than the preset's.";
+
+int train(const TrainRequest& request) {
+  TrainingRun run(request);
+  SignalWatch signals;
+  TrainingRun::End end{};
+  const Job job{.name = request.agent, .run = {}};
+  Progress progress({&job, 1});
+  show_progress(progress, [&] {
+    progress.start(0);
+    end = run.go(signals.token(), [&](double fraction) { progress.advance(0, fraction); });
+    progress.finish(0);
+  });
+  if (end == TrainingRun::End::stopped) {
+    fmt::print(stderr, "gust: stopped at {} of {} steps; the same command goes on from here\n", run.steps(),
+               run.total_steps());
+    return signals.exit_code();
+  }
+  if (end == TrainingRun::End::failed) {
+    fmt::print(stderr, "gust: the training failed after {} steps: {}\n", run.steps(), run.failure());
+    return kTrialFailed;
+  }
+  fmt::print(stderr, "gust: {} steps; return / horizon {:.4f} in the last evaluation\n", run.steps(), run.last_score());
+  fmt::print("{}\n", request.out);
+  return kDone;
+}
+
+}  // namespace
+
+void command_train(CLI::App& app, int& exit_code) {
+  auto request = std::make_shared<TrainRequest>();  // shared: the callback outlives this function
+  CLI::App* command = app.add_subcommand("train", kAbout);
+  command->add_option("AGENT", request->agent, "what trains (gust list agents)")->required();
+  command->add_option("--plant", request->plant, "kind of the plant (gust list plants)")->required()->type_name("KIND");
+  command->add_option("--preset", request->preset, "options and readings to start from (gust list presets)")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command->add_option("--steps", request->steps, "environment steps (default: the agent's)")->type_name("N");
+  command->add_option("--seed", request->seed, "of every random stream of the training")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->capture_default_str()
+      ->type_name("N");
+  command->add_option("--set", request->settings, "an option of the agent, the readings or the plant")
+      ->type_name("KEY=VALUE");
+  command->add_option("--out", request->out, "where the policy goes")->required()->type_name("FILE.onnx");
+  command->footer(
+      "Example:\n  gust train ppo --plant cartpole --preset scg-2022 --steps 100000 --seed 1 --out ppo.onnx");
+  command->callback([request, &exit_code] { exit_code = train(*request); });
+}
+
+}  // namespace gust

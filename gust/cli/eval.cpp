@@ -1,0 +1,185 @@
+#include "gust/cli/eval.h"
+
+#include <algorithm>
+
+#include "gust/cli/settings.h"
+#include "gust/study/policies.h"
+
+namespace gust {
+namespace {
+
+constexpr std::int64_t kMostEpisodes = 100'000;
+
+/// A request read and checked; the evaluation refers to the rest.
+struct Prepared {
+  Setup setup;
+  std::vector<Injection> injections;
+  SweepCell cell;
+  StartProtocol start;
+  std::int64_t episodes = 1;
+  bool terminate = true;
+};
+
+/// The options of --set, by what they belong to.
+struct Settings {
+  Table plant, readings, waveform, injection;
+};
+
+std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
+  std::vector<std::string> names;
+  for (const FieldInfo& field : fields) names.push_back(field.name);
+  return names;
+}
+
+/// Window and channels are the injection's, so "start" is the window's; where an episode starts is --start's.
+Settings read_settings(const EvalRequest& request) {
+  Settings settings;
+  std::vector<SettingGroup> groups = {{&settings.injection, {"channels", "mask", "start", "end"}},
+                                      {&settings.readings, field_names<Readings>()}};
+  if (!request.waveform.empty()) {
+    groups.push_back({&settings.waveform, names_of(waveforms().at(request.waveform, {"--waveform"}).fields)});
+  }
+  groups.push_back({&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)});
+  sort_settings(request.settings, groups,
+                request.waveform.empty() ? "; options of a waveform need --site, --waveform and --level" : "");
+  return settings;
+}
+
+Setup prepare_setup(const EvalRequest& request, const Settings& settings) {
+  Table plant = settings.plant;
+  plant.place = {"--plant"};
+  plant.set("kind", {request.plant, {"--plant"}});
+  plant.set("preset", {request.preset, {"--preset"}});
+  return make_setup(plant, &settings.readings);
+}
+
+std::vector<Injection> prepare_injections(const EvalRequest& request, const Settings& settings, const PlantSpec& spec) {
+  const bool any = !request.site.empty() || !request.waveform.empty() || !request.level.empty();
+  const bool all = !request.site.empty() && !request.waveform.empty() && !request.level.empty();
+  if (any && !all) throw Error("a disturbance needs all of --site, --waveform and --level");
+  if (!any && !settings.injection.items.empty()) {
+    throw Error(cat("--set: '", settings.injection.items.front().first,
+                    "' belongs to a disturbance: give --site, --waveform and --level"));
+  }
+  std::vector<Injection> injections;
+  if (!any) return injections;
+  Table waveform = settings.waveform;
+  waveform.place = {"--set"};
+  waveform.set("kind", {request.waveform, {"--waveform"}});
+  Table table = settings.injection;
+  table.set("site", {request.site, {"--site"}});
+  table.set("waveform", {waveform, {"--set"}});
+  table.set("level", value_from_text(request.level, {"--level"}));
+  injections.push_back(read_injection(table, spec));
+  return injections;
+}
+
+/// The parameters of the plant that the policy meets. Each must be one that the plant could have been made with.
+std::vector<double> prepare_parameters(const EvalRequest& request, const Settings& settings, const Setup& setup) {
+  const PlantSpec& spec = setup.plant->spec();
+  std::vector<double> values = nominal_parameters(spec);
+  std::vector<std::string> names;
+  for (const Parameter& parameter : spec.parameters) names.push_back(parameter.name);
+  Settings other = settings;
+  for (const std::string& text : request.parameters) {
+    const Setting pair = split_setting(text, "--param");
+    const auto at = std::ranges::find(names, pair.key);
+    if (at == names.end()) {
+      throw Error(cat("--param: unknown parameter '", pair.key, "'", did_you_mean(pair.key, names), "; the plant ",
+                      setup.plant.kind, " has ", join(names, ", ")));
+    }
+    const bool scaled = pair.text.front() == 'x';
+    const double number = value_from_text(pair.text.substr(scaled ? 1 : 0), {"--param"}).as_number(pair.key);
+    double& value = values[static_cast<std::size_t>(at - names.begin())];
+    value = scaled ? value * number : number;
+    other.plant.set(pair.key, {value, {"--param"}});
+  }
+  prepare_setup(request, other);
+  return values;
+}
+
+/// "x,x_dot,…": a number for every state of the plant.
+StartProtocol explicit_start(const std::string& text, const PlantSpec& spec) {
+  const Value value = value_from_text(text, {"--start"});
+  std::vector<std::string> names;
+  for (const Component& component : spec.state) names.push_back(component.name);
+  if (std::holds_alternative<std::string>(value.data)) {
+    const std::vector<std::string> words = {"nominal", "random"};
+    throw Error(
+        cat("--start: must be nominal, random or ", join(names, ","), ", got '", text, "'", did_you_mean(text, words)));
+  }
+  StartProtocol start{text, false, value.as_numbers("start")};
+  if (start.state.size() == names.size()) return start;
+  throw Error(cat("--start: must have ", names.size(), " numbers (", join(names, ","), "), got ", start.state.size()));
+}
+
+StartProtocol prepare_start(const std::string& text, const PlantSpec& spec) {
+  if (text == "nominal") return nominal_start(spec);
+  if (text == "random") return random_starts();
+  return explicit_start(text, spec);
+}
+
+Prepared prepare(const EvalRequest& request) {
+  const Settings settings = read_settings(request);
+  Prepared prepared;
+  prepared.setup = prepare_setup(request, settings);
+  const PlantSpec& spec = prepared.setup.plant->spec();
+  prepared.injections = prepare_injections(request, settings, spec);
+  prepared.cell.parameters = prepare_parameters(request, settings, prepared.setup);
+  for (const Injection& injection : prepared.injections) prepared.cell.levels.push_back(injection.level);
+  prepared.start = prepare_start(request.start, spec);
+  prepared.episodes = request.episodes.value_or(prepared.start.random ? 25 : 1);
+  if (prepared.episodes < 1 || prepared.episodes > kMostEpisodes) {
+    throw Error(cat("--episodes: must be 1 to ", kMostEpisodes, ", got ", prepared.episodes));
+  }
+  if (request.terminate != "yes" && request.terminate != "no") {
+    throw Error(cat("--terminate: must be yes or no, got '", request.terminate, "'"));
+  }
+  prepared.terminate = request.terminate == "yes";
+  return prepared;
+}
+
+/// The metrics of a row. Those that sum over an episode's steps sum over the row's; the others keep their definition.
+std::vector<double> row_metrics(const MetricSet& set, const Episode& episode, bool terminate) {
+  Episode row = episode;
+  row.ended = row.whole = episode.part(terminate);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    static constexpr std::string_view kOfRow[] = {"return_sum", "length", "rmse_paper", "rmse_scg", "rmse_sum"};
+    const bool of_row = std::ranges::find(kOfRow, set.name(i)) != std::end(kOfRow);
+    values.push_back(set[i].value(of_row ? row : episode));
+  }
+  return values;
+}
+
+}  // namespace
+
+std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes) {
+  const Prepared prepared = prepare(request);
+  const std::unique_ptr<Policy> policy = request.has_file() ? onnx_policy(policy_bytes, request.policy, prepared.setup)
+                                                            : make_policy(request.policy, prepared.setup, {"POLICY"});
+  const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
+                              .readings = prepared.setup.readings,
+                              .injections = prepared.injections,
+                              .cells = {prepared.cell},
+                              .starts = {prepared.start},
+                              .episodes = prepared.episodes,
+                              .root = Rng(static_cast<std::uint64_t>(request.seed))};
+  const MetricSet metric_set;
+  std::vector<EvalRow> rows;
+  evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
+    const EpisodePart& part = episode.part(prepared.terminate);
+    rows.push_back({.episode = index.episode,
+                    .length = part.steps,
+                    .failed = episode.failed,
+                    .finite = episode.finite,
+                    .return_sum_commanded = part.return_commanded,
+                    .return_sum_disturbed = part.return_disturbed,
+                    .metrics = row_metrics(metric_set, episode, prepared.terminate),
+                    .initial_state = start_state(evaluation, index),
+                    .final_state = part.final_state});
+  });
+  return rows;
+}
+
+}  // namespace gust

@@ -1,0 +1,75 @@
+#include <algorithm>
+#include <cmath>
+
+#include "gust/cli/eval.h"
+#include "gust/core/text.h"
+
+namespace gust {
+namespace {
+
+std::string json_number(double number) { return std::isfinite(number) ? cat(number) : "null"; }
+
+std::string json_numbers(const std::vector<double>& numbers) {
+  std::vector<std::string> parts;
+  for (const double number : numbers) parts.push_back(json_number(number));
+  return cat("[", join(parts, ", "), "]");
+}
+
+std::string json_row(const EvalRow& row, const MetricSet& metrics) {
+  std::vector<std::string> parts;
+  const auto add = [&](std::string_view name, const std::string& value) {
+    parts.push_back(cat("\"", name, "\": ", value));
+  };
+  add("episode", cat(row.episode));
+  add("length", cat(row.length));
+  add("failed", cat(row.failed));
+  add("finite", cat(row.finite));
+  add("return_sum_commanded", json_number(row.return_sum_commanded));
+  add("return_sum_disturbed", json_number(row.return_sum_disturbed));
+  for (std::size_t i = 0; i < metrics.size(); ++i) {
+    if (metrics.name(i) != "length")
+      add(metrics.name(i), json_number(row.metrics[i]));  // it is there, as a whole number
+  }
+  add("initial_state", json_numbers(row.initial_state));
+  add("final_state", json_numbers(row.final_state));
+  return cat("  {", join(parts, ", "), "}");
+}
+
+template <class NumberOf>
+std::string table_line(std::string_view name, const std::vector<EvalRow>& rows, NumberOf&& number_of) {
+  double sum = 0;
+  double least = number_of(rows.front());
+  double greatest = least;
+  for (const EvalRow& row : rows) {
+    const double number = number_of(row);
+    sum += number;
+    least = std::min(least, number);
+    greatest = std::max(greatest, number);
+  }
+  const double mean = sum / static_cast<double>(rows.size());
+  return fmt::format("{:<22}  {:>12.6g}  {:>12.6g}  {:>12.6g}\n", name, mean, least, greatest);
+}
+
+}  // namespace
+
+std::string eval_json(const std::vector<EvalRow>& rows) {
+  const MetricSet metrics;
+  std::vector<std::string> lines;
+  for (const EvalRow& row : rows) lines.push_back(json_row(row, metrics));
+  return cat("[\n", join(lines, ",\n"), "\n]\n");
+}
+
+std::string eval_table(const std::vector<EvalRow>& rows) {
+  const MetricSet metrics;
+  const auto failed = std::ranges::count_if(rows, [](const EvalRow& row) { return row.failed; });
+  std::string text = cat(rows.size(), rows.size() == 1 ? " episode, " : " episodes, ", failed, " failed\n\n");
+  text += fmt::format("{:<22}  {:>12}  {:>12}  {:>12}\n", "", "mean", "least", "greatest");
+  text += table_line("return_sum_commanded", rows, [](const EvalRow& row) { return row.return_sum_commanded; });
+  text += table_line("return_sum_disturbed", rows, [](const EvalRow& row) { return row.return_sum_disturbed; });
+  for (std::size_t i = 0; i < metrics.size(); ++i) {
+    text += table_line(metrics.name(i), rows, [i](const EvalRow& row) { return row.metrics[i]; });
+  }
+  return text;
+}
+
+}  // namespace gust

@@ -1,0 +1,110 @@
+#include "gust/cli/training_run.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "gust/cli/settings.h"
+#include "gust/core/hash.h"
+#include "gust/core/version.h"
+#include "gust/nn/onnx.h"
+#include "gust/study/agent_options.h"
+#include "gust/study/files.h"
+
+namespace gust {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kBetweenCheckpoints{10};
+
+std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
+  std::vector<std::string> names;
+  for (const FieldInfo& field : fields) names.push_back(field.name);
+  return names;
+}
+
+struct Settings {
+  Table agent, readings, plant;
+};
+
+Settings read_settings(const TrainRequest& request) {
+  Settings settings;
+  std::vector<std::string> of_agent = names_of(agents().at(request.agent, {"AGENT"}).fields);
+  of_agent.push_back("profile");
+  const SettingGroup groups[] = {{&settings.agent, of_agent},
+                                 {&settings.readings, field_names<Readings>()},
+                                 {&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)}};
+  sort_settings(request.settings, groups, cat(" (gust describe agent ", request.agent, ")"));
+  settings.agent.place = {"--set"};
+  settings.agent.set("kind", {request.agent, {"gust"}});
+  if (request.steps) settings.agent.set("steps", {*request.steps, {"--steps"}});
+  settings.plant.place = {"--plant"};
+  settings.plant.set("kind", {request.plant, {"--plant"}});
+  settings.plant.set("preset", {request.preset, {"--preset"}});
+  return settings;
+}
+
+}  // namespace
+
+TrainingRun::TrainingRun(const TrainRequest& request)
+    : out_(request.out), checkpoint_(request.out + ".checkpoint"), seed_(request.seed) {
+  if (!out_.ends_with(".onnx")) throw Error(cat("--out: '", out_, "' must end in .onnx"));
+  const Settings settings = read_settings(request);
+  setup_ = make_setup(settings.plant, &settings.readings);
+  agent_ = agents().make(resolve_agent(settings.agent, setup_));
+  identity_ = hash_hex(cat("gust ", kVersion, "\n", agent_.canonical, "\n", setup_.preset, "\n", setup_.plant.canonical,
+                           "\n", canonical_fields(setup_.readings), "\nseed ", seed_));
+  AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
+  training_ = agent_->start({setup_.plant.object.get(), setup_.readings, {}, seed_});
+  resume();
+}
+
+TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::function<void(double)>& tell) {
+  Clock::time_point kept = Clock::now();
+  while (!training_->done()) {
+    const bool stopping = stop.stop_requested();
+    if (stopping || Clock::now() - kept > kBetweenCheckpoints) {
+      keep();
+      kept = Clock::now();
+    }
+    if (stopping) return End::stopped;
+    training_->advance();
+    tell(static_cast<double>(steps()) / static_cast<double>(total_steps()));
+  }
+  const bool failed = !training_->failure().empty();
+  if (!failed) write_policy();
+  std::filesystem::remove(checkpoint_);
+  return failed ? End::failed : End::done;
+}
+
+double TrainingRun::last_score() const {
+  const std::vector<CurvePoint>& curve = training_->curve();
+  return curve.empty() ? std::numeric_limits<double>::quiet_NaN() : curve.back().anr_h;
+}
+
+/// Goes on from the checkpoint if it is whole and of this training; else it is as if it were not there.
+void TrainingRun::resume() {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(checkpoint_, unknown)) return;
+  const std::string bytes = read_file(checkpoint_);
+  const std::size_t head = identity_.size() + 32;  // whose it is, and the hash of what follows
+  if (bytes.size() < head || bytes.substr(0, identity_.size()) != identity_) return;
+  const std::string state = bytes.substr(head);
+  if (bytes.substr(identity_.size(), 32) == hash_hex(state)) training_->load(state);
+}
+
+void TrainingRun::keep() const {
+  const std::string state = training_->save();
+  write_file_atomically(checkpoint_, identity_ + hash_hex(state) + state);
+}
+
+void TrainingRun::write_policy() const {
+  const OnnxMetadata metadata = {{"gust.plant", setup_.plant.kind},
+                                 {"gust.preset", setup_.preset},
+                                 {"gust.units", setup_.plant->spec().action_unit()},
+                                 {"gust.seed", cat(seed_)},
+                                 {"gust.version", std::string(kVersion)},
+                                 {"gust.trial", identity_}};
+  write_file_atomically(out_, write_onnx(training_->actor(), metadata));
+}
+
+}  // namespace gust
