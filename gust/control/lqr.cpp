@@ -1,5 +1,6 @@
 #include "gust/control/lqr.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -42,6 +43,14 @@ Eigen::MatrixXd diagonal(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())).asDiagonal();
 }
 
+Eigen::MatrixXd gain_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& cost,
+                        const LqrWeights& weights) {
+  const Eigen::MatrixXd effort = diagonal(weights.r) + b.transpose() * cost * b;
+  return effort.inverse() * b.transpose() * cost * a;
+}
+
+bool settles(const Eigen::MatrixXd& loop) { return loop.allFinite() && loop.eigenvalues().cwiseAbs().maxCoeff() < 1.0; }
+
 }  // namespace
 
 Eigen::MatrixXd solve_riccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const LqrWeights& weights) {
@@ -59,9 +68,13 @@ Eigen::MatrixXd solve_riccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b
     cost += change;
     power = next_power;
     if (!cost.allFinite()) break;
-    if (change.norm() <= 1e-15 * cost.norm()) return 0.5 * (cost + cost.transpose());
+    if (change.norm() <= 1e-15 * cost.norm()) break;
   }
-  throw Error("lqr: the Riccati equation has no stabilising solution; weight the states that the action can reach");
+  const Eigen::MatrixXd solution = 0.5 * (cost + cost.transpose());
+  if (!solution.allFinite() || !settles(a - b * gain_of(a, b, solution, weights))) {
+    throw Error("lqr: the Riccati equation has no stabilising solution; weight the states that the action can reach");
+  }
+  return solution;
 }
 
 Eigen::MatrixXd lqr_gain(const Plant& plant, const LqrWeights& weights) {
@@ -70,9 +83,7 @@ Eigen::MatrixXd lqr_gain(const Plant& plant, const LqrWeights& weights) {
   std::vector<double> goal(spec.state.size());
   plant.goal(goal);
   const Linearisation model = plant.linearise(goal, spec.action_goal);
-  const Eigen::MatrixXd cost = solve_riccati(model.a, model.b, weights);
-  const Eigen::MatrixXd effort = diagonal(weights.r) + model.b.transpose() * cost * model.b;
-  return effort.inverse() * model.b.transpose() * cost * model.a;
+  return gain_of(model.a, model.b, solve_riccati(model.a, model.b, weights), weights);
 }
 
 LqrWeights reward_weights(const PlantSpec& spec) {

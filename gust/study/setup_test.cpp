@@ -65,7 +65,7 @@ TEST_CASE("the tap point among the readings is the plant's, however it was said"
   CHECK(by_plant.plant.canonical == by_readings.plant.canonical);
   CHECK(by_plant.readings.tap_point == "tip");
   CHECK(error_of("plant = { kind = \"cartpole\", tap_point = \"tip\" }\nreadings = { tap_point = \"com\" }\n") ==
-        "s.toml:1:43: 'tap_point' is 'tip' here and 'com' among the readings; say it once");
+        "s.toml:1:42: 'tap_point' is 'tip' here and 'com' among the readings; say it once");
 }
 
 TEST_CASE("mistakes in a setup are told with their place and the nearest name") {

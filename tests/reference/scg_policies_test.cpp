@@ -60,14 +60,13 @@ TEST_CASE("all episodes that safe-control-gym ran with its own policies are repr
   }
 }
 
-// How many rows the README says that a wrong model breaks: scg-default, scg-2022. Ours may differ from its model in a
-// few rows whose error lies at the edge of the acceptance.
+// How many rows the README says that a wrong model breaks by their returns: scg-default, scg-2022. Ours must break as
+// many, but for a few whose error lies at the edge of the acceptance; it may break more, because it judges final states
+// and errors as well.
 void check_broken(const Mistake& mistake, std::size_t of_default, std::size_t of_2022) {
-  constexpr double kNear = 0.03;
-  CHECK(static_cast<double>(broken_rows(kPolicies[0], mistake)) ==
-        doctest::Approx(static_cast<double>(of_default)).epsilon(kNear));
-  CHECK(static_cast<double>(broken_rows(kPolicies[1], mistake)) ==
-        doctest::Approx(static_cast<double>(of_2022)).epsilon(kNear));
+  constexpr double kNear = 0.97;
+  CHECK(static_cast<double>(broken_rows(kPolicies[0], mistake)) >= kNear * static_cast<double>(of_default));
+  CHECK(static_cast<double>(broken_rows(kPolicies[1], mistake)) >= kNear * static_cast<double>(of_2022));
 }
 
 TEST_CASE("the recorded episodes tell a slender rod's inertia from a box's") {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -35,6 +36,7 @@ Recording load_recording(const std::string& file) {
                     fs::path(file).replace_extension(".json").string(), " meant? (gust validate --help)"));
   }
   const std::string description = read_file(json);
+  if (!fs::exists(csv)) throw Error(cat(csv.string(), ": is not there; the records of ", file, " lie beside it"));
   const std::string records = read_file(csv);
   return read_recording({description, file}, {records, csv.string()});
 }
@@ -134,33 +136,41 @@ int validate_files(const ValidateOptions& options) {
 }
 
 constexpr const char* kAbout =
-    "Checks the model of a plant against recordings of it: of another simulator, or of a real robot.\n\n"
-    "For each recording it prints the largest absolute error of every state [SI units]: one step ahead from each "
-    "recorded "
-    "state, and in closed loop from the first state on, where the recorded controller is a state feedback; then the "
-    "errors "
-    "of applied action, reward and squared error, and whether the flags are equal. The default tolerances ask for "
-    "another "
-    "program's equal equations; for measurements choose them by your sensors, such as --tolerance-step 1e-2 "
-    "--tolerance-loop 0.1. --tolerance-step also judges applied action, reward and squared error.";
+    R"(For each recording it prints the largest absolute error of every state [SI units]: one step ahead from each recorded
+state, and in closed loop from the first state on, where the recorded controller is a state feedback; then the errors of
+applied action, reward and squared error, and whether the flags are equal. The default tolerances ask for another
+program's equal equations; for measurements choose them by your sensors, such as --tolerance-step 0.01
+--tolerance-loop 0.1. --tolerance-step also judges applied action, reward and squared error.
+
+Exit code: 0 if all pass, 3 if any fails, 2 if one cannot be read.
+
+)";
+
+std::string check_tolerance(const std::string& text) {
+  double number = -1;
+  const char* const end = text.data() + text.size();
+  const auto [read, failure] = std::from_chars(text.data(), end, number);
+  const bool right = failure == std::errc{} && read == end && std::isfinite(number) && number >= 0;
+  return right ? "" : "must be a number >= 0, got " + text;
+}
 
 }  // namespace
 
 void command_validate(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("validate", "Checks a plant against recordings of it");
-  command->description(kAbout);
-  command->footer(
-      cat("Example: gust validate logs/*.json\nExit code: 0 if all pass, 3 if any fails, 2 if one cannot be read.\n\n",
-          recording_format()));
+  CLI::App* command =
+      app.add_subcommand("validate", "Checks the model of a plant against recordings of a simulator or a real robot");
+  command->footer(cat("Example:\n  gust validate logs/*.json\n\n", kAbout, recording_format()));
   auto options = std::make_shared<ValidateOptions>();  // shared: the callback outlives this function
-  command->add_option("recordings", options->files, "NAME.json of each recording; NAME.csv lies beside it")
+  command->add_option("RECORDING.json", options->files, "each recording's JSON file; its CSV file lies beside it")
       ->required()
-      ->type_name("RECORDING.json");
+      ->type_name("");
   command->add_option("--tolerance-step", options->tolerances.step, "largest error after one step")
-      ->check(CLI::NonNegativeNumber)
+      ->type_name("NUMBER")
+      ->check(check_tolerance, "")
       ->capture_default_str();
   command->add_option("--tolerance-loop", options->tolerances.loop, "largest error in closed loop")
-      ->check(CLI::NonNegativeNumber)
+      ->type_name("NUMBER")
+      ->check(check_tolerance, "")
       ->capture_default_str();
   command->add_flag("--json", options->json, "print one JSON array, one object a recording");
   command->callback([options, &exit_code] { exit_code = validate_files(*options); });
