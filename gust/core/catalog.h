@@ -12,7 +12,8 @@ namespace gust {
 /// An object made from options, with the canonical text of all its options, defaults included.
 template <class T>
 struct Made {
-  std::shared_ptr<const T> object;  ///< shared because it never changes: a study, its sweeps and trials hold the same one
+  std::shared_ptr<const T>
+      object;  ///< shared because it never changes: a study, its sweeps and trials hold the same one
   std::string kind;
   std::string canonical;  ///< "kind(name = value, …)"; equal texts make equal objects
 

@@ -8,7 +8,8 @@
 
 namespace gust {
 
-/// Joins at most 32 values to one text; floating point numbers in their shortest form that reads back to the same value.
+/// Joins at most 32 values to one text; floating point numbers in their shortest form that reads back to the same
+/// value.
 template <class... Parts>
 std::string cat(const Parts&... parts) {
   static constexpr std::string_view kSlots = "{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}";

@@ -35,14 +35,14 @@ constexpr Range one_of(std::string_view words) { return {.words = words}; }
 template <class S, class M>
 struct Field {
   std::string_view name;
-  M S::* member;
+  M S::*member;
   std::string_view help;
   Range range;
   std::string_view unit;
 };
 
 template <class S, class M>
-constexpr Field<S, M> field(std::string_view name, M S::* member, std::string_view help, Range range = anything,
+constexpr Field<S, M> field(std::string_view name, M S::*member, std::string_view help, Range range = anything,
                             std::string_view unit = "") {
   return {name, member, help, range, unit};
 }

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "gust/nn/pytorch_reference.h"
+#include "gust/nn/pytorch_reference_test.h"
 
 using namespace gust;
 

@@ -7,7 +7,7 @@
 #include "gust/core/rng.h"
 #include "gust/nn/adam.h"
 #include "gust/nn/initialise.h"
-#include "gust/nn/pytorch_reference.h"
+#include "gust/nn/pytorch_reference_test.h"
 
 using namespace gust;
 
