@@ -62,13 +62,13 @@ class Loader {
   template <class T>
   void block(std::span<T> values) {
     if (count(sizeof(T)) != values.size()) fail();
-    std::memcpy(values.data(), next(values.size_bytes()), values.size_bytes());
+    if (!values.empty()) std::memcpy(values.data(), next(values.size_bytes()), values.size_bytes());
   }
   template <class T>
   void list(std::vector<T>& values) {
     values.resize(count(sizeof(T)));
     const std::span<T> all(values);
-    std::memcpy(all.data(), next(all.size_bytes()), all.size_bytes());
+    if (!all.empty()) std::memcpy(all.data(), next(all.size_bytes()), all.size_bytes());
   }
   /// Call when all fields are read.
   void finish() const {

@@ -42,6 +42,12 @@ T as_float(typename Bits<T>::Int bits) {
   return value;
 }
 
+/// Sums that may wrap around, as they do where the result is thrown away.
+inline std::int64_t wrapping_sum(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+inline PackMask wrapping_sum(PackMask a, PackMask b) { return a + b; }
+
 /// Every constant as the type at hand.
 template <class T>
 T constant(double value) {
@@ -99,7 +105,7 @@ template <class T>
   const T tail = horner(r, 1.0 / 6227020800.0, 1.0 / 479001600.0, 1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0,
                         1.0 / 40320.0, 1.0 / 5040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5);
   const T mantissa = 1.0 + fma(r * r, tail, r);
-  const T scaled = as_float<T>(as_int(mantissa) + (as_int(shifted) << 52));
+  const T scaled = as_float<T>(wrapping_sum(as_int(mantissa), as_int(shifted) << 52));
   const T finite = select(x < -708.0, T{}, scaled);
   return select(x > 709.0, constant<T>(std::numeric_limits<double>::infinity()), select(x == x, finite, x));
 }
