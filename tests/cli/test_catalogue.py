@@ -71,7 +71,7 @@ def test_every_command_has_help_with_an_example(gust):
         helped = gust("help", name).stdout
         assert f"Usage: gust {name}" in helped
         assert helped == gust(name, "--help").stdout
-        assert ("Example" in helped and f"  gust {name}" in helped) or name in ("store", "completion")
+        assert name == "store" or f"gust {name}" in helped[helped.index("Example"):]
     for name in ("pack", "unpack"):
         helped = gust("help", "store", name).stdout
         assert f"Usage: gust store {name}" in helped and f"  gust store {name}" in helped

@@ -1,6 +1,8 @@
 """gust train: a policy file that gust eval takes, the same bytes however often it is interrupted."""
 
 import json
+import os
+import pathlib
 import signal
 import subprocess
 import time
@@ -38,13 +40,23 @@ def test_equal_commands_give_equal_bytes_and_other_seeds_or_options_do_not(gust,
     assert len(set(files.values())) == len(variants) - 1
 
 
+def wait_until_busy(process, seconds=0.2):
+    """Waits until a process has used so much time of a processor: it is then well inside its work, on any machine."""
+    ticks = os.sysconf("SC_CLK_TCK")
+    while process.poll() is None:
+        used = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+        if (int(used[11]) + int(used[12])) / ticks >= seconds:
+            return
+        time.sleep(0.005)
+
+
 @pytest.mark.parametrize(("how", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 75), (signal.SIGKILL, -9)])
 def test_interrupted_training_goes_on_and_gives_the_same_bytes(gust, tmp_path, how, code):
     steps = ["train", "ppo", "--plant", "cartpole", "--steps", "100000"]
     gust(*steps, "--out", "whole.onnx")
     command = [PROGRAM, *steps, "--out", "cut.onnx"]
     interrupted = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(0.2)
+    wait_until_busy(interrupted)
     interrupted.send_signal(how)
     out, err = interrupted.communicate(timeout=60)
     assert interrupted.returncode == code, "the training was over before the signal: train longer"

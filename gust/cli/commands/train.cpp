@@ -17,8 +17,8 @@ constexpr const char* kAbout =
     "readings and options of the plant; profile=modern chooses another set of the agent's options than the preset's.";
 
 int train(const TrainRequest& request) {
-  TrainingRun run(request);
   SignalWatch signals;
+  TrainingRun run(request);
   TrainingRun::End end{};
   const Job job{.name = request.agent, .run = {}};
   Progress progress({&job, 1});
