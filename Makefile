@@ -4,7 +4,7 @@ JOBS ?= $(shell nproc)
 VERBOSE_CTEST := --output-on-failure --no-tests=error
 
 .DEFAULT_GOAL := release
-.PHONY: release demo check bench format docs install clean help
+.PHONY: release demo check sanitize bench format docs install clean help
 
 release: ## Build the program: build/release/gust
 	scripts/install-deps build
@@ -17,11 +17,16 @@ demo: release ## Run studies/demo.toml: trains, disturbs, measures; prints the m
 check: ## Install, build and run every test
 	scripts/install-deps check
 	scripts/make-venv
-	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON
+	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON -D GUST_SANITIZED_CHECK=OFF
 	cmake --build --preset release
+	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST)
+
+sanitize: ## Build the sanitized tests and the fuzz targets, and run both
+	scripts/install-deps check
+	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON -D GUST_SANITIZED_CHECK=ON
 	cmake --preset asan
 	cmake --build --preset asan
-	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST)
+	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -L 'sanitizers|fuzz'
 
 bench: ## Build and run the benchmarks; JSON in build/bench
 	scripts/install-deps bench
