@@ -14,7 +14,7 @@ Environments::Environments(const TrainingTask& task, std::size_t count, Rng rng)
       reward_(count),
       done_(count),
       truncated_(count),
-      terminal_(task.plant->spec().state.size(), count) {
+      terminal_(task.plant->spec().observations(), count) {
   for (std::size_t lane = 0; lane < count; ++lane) begin(lane);
 }
 

@@ -15,7 +15,7 @@ constexpr std::size_t kEpisodes = 10;
 CurvePoint measure_actor(const TrainingTask& task, const Mlp<float>& actor, Rng rng) {
   const PlantSpec& spec = task.plant->spec();
   MlpWorkspace<float> workspace(actor.shape(), kEpisodes);
-  Buffer<float> observation(kEpisodes * spec.state.size());
+  Buffer<float> observation(kEpisodes * spec.observations());
   ClosedLoop loop(*task.plant, task.readings, {}, kEpisodes);
   EpisodeMeter meter(spec, kEpisodes);
   Matrix<double> action(spec.action.size(), kEpisodes);

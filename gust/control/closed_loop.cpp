@@ -42,7 +42,7 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       state_(plant.spec().state.size() + plant.spec().hidden, lanes),
       parameters_(filled_rows(Matrix<double>::padded(lanes), nominal_parameters(plant.spec()))),
       goal_(plant.spec().state.size(), lanes),
-      observation_(plant.spec().state.size(), lanes),
+      observation_(plant.spec().observations(), lanes),
       command_(plant.spec().action.size(), lanes),
       commanded_(plant.spec().action.size(), lanes),
       disturbed_(plant.spec().action.size(), lanes),

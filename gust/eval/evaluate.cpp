@@ -113,7 +113,7 @@ Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeI
   Trace trace;
   trace.index = index;
   trace.state = Matrix<double>(spec.state.size(), steps + 1);
-  trace.observation = Matrix<double>(spec.state.size(), steps + 1);
+  trace.observation = Matrix<double>(spec.observations(), steps + 1);
   trace.commanded = trace.disturbed = trace.applied = Matrix<double>(spec.action.size(), steps);
   trace.force = Matrix<double>(spec.force.size(), steps);
 

@@ -27,6 +27,7 @@ struct Parameter {
 /// Everything about a plant and its task that is data: what is measured, pushed, charged and forbidden. SI units.
 struct PlantSpec {
   std::vector<Component> state;   ///< also what is observed
+  std::size_t horizon = 0;        ///< reference states that follow the state in the observation
   std::vector<Component> action;  ///< physical inputs
   std::vector<Component> force;   ///< the dynamics site
   std::vector<Parameter> parameters;
@@ -54,6 +55,8 @@ struct PlantSpec {
   std::vector<double> error_weights;  ///< components that count in rmse_scg
   std::size_t angle = 0;              ///< the state component that is the attitude
 
+  /// Numbers that a policy sees: the state, then `horizon` references.
+  std::size_t observations() const { return state.size() * (1 + horizon); }
   std::string action_unit() const { return normalized_action ? "normalised" : action.front().unit; }
 };
 

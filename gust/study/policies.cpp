@@ -14,9 +14,9 @@ std::string names_of(const std::vector<Component>& components) {
 
 void check_sizes(const OnnxModel& model, std::string_view name, const Setup& setup) {
   const PlantSpec& spec = setup.plant->spec();
-  if (model.observations() != spec.state.size()) {
+  if (model.observations() != spec.observations()) {
     throw Error(cat(name, ": the policy takes ", model.observations(), " numbers; the plant ", setup.plant.kind,
-                    " is observed by ", spec.state.size(), " (", names_of(spec.state), ")"));
+                    " is observed by ", spec.observations(), " (", names_of(spec.state), ")"));
   }
   if (model.actions() != spec.action.size()) {
     throw Error(cat(name, ": the policy gives ", model.actions(), " numbers; the plant ", setup.plant.kind, " takes ",
@@ -41,7 +41,7 @@ void check_metadata(const OnnxModel& model, std::string_view name, const Setup& 
 
 std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place) {
   const PlantSpec& spec = setup.plant->spec();
-  if (kind == "zero") return zero_policy(spec.state.size(), spec.action.size());
+  if (kind == "zero") return zero_policy(spec.observations(), spec.action.size());
   if (kind == "lqr") return feedback_policy(*setup.plant, lqr_gain(*setup.plant, reward_weights(spec)));
   if (kind == "pd") {
     throw error_at(place, "the plant ", setup.plant.kind, " has no policy 'pd'; try lqr or zero");

@@ -238,7 +238,7 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
     case StudyPolicy::Kind::kLqr:
       return feedback_policy(*study.setup.plant, lqr_gain(*study.setup.plant, policy.weights));
     case StudyPolicy::Kind::kZero:
-      return zero_policy(study.setup.plant->spec().state.size(), study.setup.plant->spec().action.size());
+      return zero_policy(study.setup.plant->spec().observations(), study.setup.plant->spec().action.size());
     case StudyPolicy::Kind::kOnnx:
       return onnx_policy(policy.files[trial.member].bytes, policy.files[trial.member].path, study.setup);
     default:
