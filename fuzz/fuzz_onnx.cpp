@@ -35,10 +35,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const gust::OnnxModel model = gust::read_onnx({reinterpret_cast<const char*>(data), size}, "fuzz.onnx");
     run(model);
-    if (!model.mlp) return 0;
-    const gust::OnnxModel again = gust::read_onnx(gust::write_onnx(*model.mlp, model.metadata), "written.onnx");
-    expect(again.mlp && again.metadata == model.metadata && again.mlp->shape() == model.mlp->shape());
-    expect(std::ranges::equal(again.mlp->parameters(), model.mlp->parameters()));
+    if (!model.actor) return 0;
+    const gust::OnnxModel again = gust::read_onnx(gust::write_onnx(*model.actor, model.metadata), "written.onnx");
+    expect(again.actor && again.metadata == model.metadata && again.actor->box == model.actor->box);
+    expect(again.actor->mlp.shape() == model.actor->mlp.shape());
+    expect(std::ranges::equal(again.actor->mlp.parameters(), model.actor->mlp.parameters()));
   } catch (const gust::Error&) {
   }
   return 0;

@@ -7,7 +7,7 @@
 
 #include "gust/control/closed_loop.h"
 #include "gust/core/catalog.h"
-#include "gust/nn/mlp.h"
+#include "gust/nn/actor_network.h"
 
 namespace gust {
 
@@ -44,7 +44,7 @@ class Training {
   virtual const std::string& failure() const = 0;
   virtual const std::vector<CurvePoint>& curve() const = 0;
   /// The deterministic actor as it is now: observation in, action in the policy's unit out.
-  virtual const Mlp<float>& actor() const = 0;
+  virtual ActorNetwork actor() const = 0;
 
   /// The whole state between two iterations. A training that loads it goes on exactly as the saved one would have.
   virtual std::string save() const = 0;

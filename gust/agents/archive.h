@@ -70,6 +70,14 @@ class Loader {
     const std::span<T> all(values);
     if (!all.empty()) std::memcpy(all.data(), next(all.size_bytes()), all.size_bytes());
   }
+  /// Rows of a width, as many as were written in one block; no memory is taken before their bytes are seen.
+  template <class Numbers>
+  void rows(Numbers& values, std::size_t count_of_rows, std::size_t width) {
+    const std::size_t numbers = count(sizeof(values[0]));
+    if (numbers != count_of_rows * width) fail();
+    values.resize(numbers);
+    if (numbers > 0) std::memcpy(values.data(), next(numbers * sizeof(values[0])), numbers * sizeof(values[0]));
+  }
   /// Call when all fields are read.
   void finish() const {
     if (!bytes_.empty()) fail();

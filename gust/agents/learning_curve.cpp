@@ -12,9 +12,9 @@ constexpr std::size_t kEpisodes = 10;
 
 }  // namespace
 
-CurvePoint measure_actor(const TrainingTask& task, const Mlp<float>& actor, Rng rng) {
+CurvePoint measure_actor(const TrainingTask& task, const ActorNetwork& actor, Rng rng) {
   const PlantSpec& spec = task.plant->spec();
-  MlpWorkspace<float> workspace(actor.shape(), kEpisodes);
+  ActorRunner runner(actor, kEpisodes);
   Buffer<float> observation(kEpisodes * spec.observations());
   ClosedLoop loop(*task.plant, task.readings, {}, kEpisodes);
   EpisodeMeter meter(spec, kEpisodes);
@@ -24,7 +24,7 @@ CurvePoint measure_actor(const TrainingTask& task, const Mlp<float>& actor, Rng 
   }
   for (std::int64_t k = 0; k < spec.steps; ++k) {
     to_lanes(loop.observation(), observation);
-    to_rows(workspace.forward(actor, observation), action.view());
+    to_rows(runner.act(observation), action.view());
     loop.step(action.view());
     meter.record(loop);
   }
@@ -45,7 +45,7 @@ CurvePoint measure_actor(const TrainingTask& task, const Mlp<float>& actor, Rng 
   return point;
 }
 
-void LearningCurve::follow(const Mlp<float>& actor, std::int64_t steps, bool last) {
+void LearningCurve::follow(const ActorNetwork& actor, std::int64_t steps, bool last) {
   const std::int64_t passed = points_.empty() ? -1 : points_.back().steps / kStepsBetweenPoints;
   if (steps / kStepsBetweenPoints == passed && !last) return;
   points_.push_back(measure_actor(task_, actor, rng_.split(points_.size())));

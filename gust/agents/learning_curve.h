@@ -8,7 +8,7 @@ inline constexpr std::int64_t kStepsBetweenPoints = 20'000;
 
 /// Measures a deterministic actor in ten episodes that start in the training distribution, without disturbances.
 /// Equal streams give equal episodes.
-CurvePoint measure_actor(const TrainingTask& task, const Mlp<float>& actor, Rng rng);
+CurvePoint measure_actor(const TrainingTask& task, const ActorNetwork& actor, Rng rng);
 
 /// A learning curve in the making: a point at the start, at the first step at or after every multiple of
 /// kStepsBetweenPoints, and at the end.
@@ -19,7 +19,7 @@ class LearningCurve {
   const std::vector<CurvePoint>& points() const { return points_; }
 
   /// Adds the point that is due after `steps` steps, if one is.
-  void follow(const Mlp<float>& actor, std::int64_t steps, bool last);
+  void follow(const ActorNetwork& actor, std::int64_t steps, bool last);
 
   template <class Archive, class Self>
   static void archive(Archive& archive, Self& self) {

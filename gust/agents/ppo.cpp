@@ -42,7 +42,7 @@ class PpoTraining final : public Training {
   std::int64_t total_steps() const override;
   const std::string& failure() const override { return failure_; }
   const std::vector<CurvePoint>& curve() const override { return curve_.points(); }
-  const Mlp<float>& actor() const override { return options_.normalise_observation ? scaled_actor_ : learner_.actor(); }
+  ActorNetwork actor() const override;
   std::string save() const override;
   void load(std::string_view bytes) override;
 
@@ -53,7 +53,6 @@ class PpoTraining final : public Training {
   void observe();
   void see();
   void keep_truncated(std::size_t sample);
-  void refresh_actor();
   std::string identity() const { return cat("gust ppo 1 ", canonical_fields(options_), " seed ", seed_); }
 
   template <class Archive, class Self>
@@ -81,7 +80,6 @@ class PpoTraining final : public Training {
   Matrix<double> observation_;  // as the networks see it
   Matrix<double> command_;
   std::vector<double> reward_;
-  Mlp<float> scaled_actor_;
   std::int64_t steps_ = 0;
   std::string failure_;
 };
@@ -100,7 +98,11 @@ PpoTraining::PpoTraining(const PpoOptions& options, const TrainingTask& task, Rn
       command_(rollout_.actions, environments_.count()),
       reward_(environments_.count()) {
   observe();
-  refresh_actor();
+}
+
+ActorNetwork PpoTraining::actor() const {
+  const bool scaled = options_.normalise_observation;
+  return {scaled ? with_normaliser(learner_.actor(), observation_moments_) : learner_.actor()};
 }
 
 std::int64_t PpoTraining::total_steps() const {
@@ -124,7 +126,6 @@ void PpoTraining::advance() {
     failure_ = cat("the network's parameters are no finite numbers after ", steps_, " steps");
     return;
   }
-  refresh_actor();
   curve_.follow(actor(), steps_, done());
 }
 
@@ -174,10 +175,6 @@ void PpoTraining::keep_truncated(std::size_t sample) {
   }
 }
 
-void PpoTraining::refresh_actor() {
-  if (options_.normalise_observation) scaled_actor_ = with_normaliser(learner_.actor(), observation_moments_);
-}
-
 std::string PpoTraining::save() const {
   Saver saver;
   saver.text(identity());
@@ -194,7 +191,6 @@ void PpoTraining::load(std::string_view bytes) {
   archive(loader, *this);
   environments_.load(loader);
   loader.finish();
-  refresh_actor();
   see();
 }
 

@@ -29,10 +29,11 @@ void by_component(std::span<const T> from, std::size_t first, Rows<double> to) {
   }
 }
 
-/// A chain of linear layers, computed in double: what is left is the rounding of the observation.
-class MlpPolicy final : public Policy {
+/// A chain of linear layers, and perhaps a box, computed in double: what is left is the rounding of the observation.
+class ActorPolicy final : public Policy {
  public:
-  explicit MlpPolicy(const Mlp<float>& mlp) : mlp_(mlp, kLanes), in_(kLanes * observations()) {}
+  explicit ActorPolicy(const ActorNetwork& actor)
+      : mlp_(actor.mlp, kLanes), box_(actor.box), in_(kLanes * observations()), out_(kLanes * actions()) {}
 
   std::size_t observations() const override { return mlp_.inputs(); }
   std::size_t actions() const override { return mlp_.outputs(); }
@@ -42,13 +43,17 @@ class MlpPolicy final : public Policy {
       const std::size_t count = std::min(kLanes, observation.lanes - lane);
       const std::span<double> in(in_.data(), count * observations());
       by_lane(observation, lane, in);
-      by_component(mlp_.forward(in), lane, action);
+      const std::span<double> out(out_.data(), count * actions());
+      std::ranges::copy(mlp_.forward(in), out.begin());
+      if (box_) squash(*box_, out);
+      by_component<double>(out, lane, action);
     }
   }
 
  private:
   WideMlp mlp_;
-  std::vector<double> in_;  // lanes x components
+  std::optional<ActionBox> box_;
+  std::vector<double> in_, out_;  // lanes x components
 };
 
 /// Any other network, in float32.
@@ -82,7 +87,7 @@ class GraphPolicy final : public Policy {
 }  // namespace
 
 std::unique_ptr<Policy> network_policy(OnnxModel model, Arithmetic arithmetic) {
-  if (model.mlp && arithmetic == Arithmetic::kDouble) return std::make_unique<MlpPolicy>(*model.mlp);
+  if (model.actor && arithmetic == Arithmetic::kDouble) return std::make_unique<ActorPolicy>(*model.actor);
   return std::make_unique<GraphPolicy>(std::move(model));
 }
 

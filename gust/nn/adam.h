@@ -30,7 +30,40 @@ struct AdamState {
   double beta2_power = 1.0;
 };
 
-/// One step along a gradient, which is cleared for the next sum.
+/// The numbers of one step, equal for all parameters. It counts the step in the state.
+template <class T>
+struct AdamStep {
+  AdamStep(const AdamOptions& options, AdamState<T>& state);
+
+  T rate, spread, epsilon, keep1, keep2, take1, take2;
+};
+
+/// Some parameters with all that a step needs of them; equally long.
+template <class T>
+struct AdamPart {
+  std::span<T> parameters;
+  std::span<const T> gradient;
+  std::span<T> first;
+  std::span<T> second;
+};
+
+/// Moves a part of the parameters along their gradient. Parts may be done one after the other, as their gradients
+/// become known and are still in the near caches.
+template <class T>
+void adam_move(const AdamStep<T>& step, AdamPart<T> part) noexcept;
+
+/// What follows some parameters slowly: target = target + share (parameters - target).
+template <class T>
+struct Follower {
+  std::span<T> target;
+  T share;
+};
+
+/// The same, and after it the follower's step towards the new parameters, in one pass over the memory.
+template <class T>
+void adam_move(const AdamStep<T>& step, AdamPart<T> part, Follower<T> follower) noexcept;
+
+/// One step of all parameters along a gradient, which is cleared for the next sum.
 template <class T>
 void adam_step(const AdamOptions& options, AdamState<T>& state, std::span<T> parameters,
                std::span<T> gradient) noexcept;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 using namespace gust;
 
@@ -47,4 +48,46 @@ TEST_CASE("gradients of one optimiser are scaled together to the limit of their 
 
   CHECK(weights == std::array{1.5f, 0.0f});
   CHECK(log_std == std::array{2.0f});
+}
+
+TEST_CASE("8.4.4 what follows a constant source is off by (1 - share) to the number of steps") {
+  std::vector<float> source(20, 1.0f), gradient(20), target(20);
+  std::vector<double> exact_source(20, 1.0), exact_gradient(20), exact_target(20);
+  AdamState<float> state(20);
+  AdamState<double> exact_state(20);
+  for (int step = 0; step < 1000; ++step) {
+    adam_move<float>({{}, state}, {source, gradient, state.first, state.second}, {target, 0.005f});
+    adam_move<double>({{}, exact_state}, {exact_source, exact_gradient, exact_state.first, exact_state.second},
+                      {exact_target, 0.005});
+  }
+
+  CHECK(source == std::vector<float>(20, 1.0f));
+  for (int i = 0; i < 20; ++i) {
+    CHECK(std::abs(1.0 - exact_target[i] - 0.0066540) < 1e-7);
+    CHECK(std::abs(1.0 - exact_target[i] - std::pow(0.995, 1000)) < 1e-12);
+    CHECK(std::abs(1.0 - target[i] - 0.0066540) < 2e-5);  // float32 rounds a thousand times
+  }
+}
+
+TEST_CASE("a step in parts, with a follower, moves the parameters as a whole step does") {
+  constexpr std::size_t kCount = 50;
+  std::vector<float> whole(kCount), parts(kCount), target(kCount, 0.5f);
+  std::vector<float> gradient(kCount), same_gradient(kCount);
+  AdamState<float> whole_state(kCount), parts_state(kCount);
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = 0; i < kCount; ++i) gradient[i] = same_gradient[i] = 0.1f * static_cast<float>(i) - 2.0f;
+    adam_step<float>({}, whole_state, whole, gradient);
+    const AdamStep<float> step({}, parts_state);
+    const std::vector<float> before = target;
+    for (const std::size_t first : {20u, 0u}) {
+      const std::size_t count = first == 0 ? 20 : kCount - 20;
+      const auto part = [&](auto& all) { return std::span(all).subspan(first, count); };
+      adam_move<float>(step, {part(parts), part(same_gradient), part(parts_state.first), part(parts_state.second)},
+                       {part(target), 0.25f});
+    }
+    for (std::size_t i = 0; i < kCount; ++i)
+      CHECK(target[i] == doctest::Approx(0.75f * before[i] + 0.25f * parts[i]).epsilon(1e-6));
+  }
+
+  CHECK(parts == whole);
 }

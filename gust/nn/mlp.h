@@ -50,6 +50,10 @@ class Mlp {
   /// Where a layer's weights and biases start in the buffer.
   std::size_t weights_at(std::size_t layer) const { return starts_[2 * layer]; }
   std::size_t biases_at(std::size_t layer) const { return starts_[2 * layer + 1]; }
+  /// How many numbers of the buffer belong to a layer, the gaps included.
+  std::size_t parameters_of(std::size_t layer) const {
+    return (layer + 1 < shape_.layers() ? weights_at(layer + 1) : parameters_.size()) - weights_at(layer);
+  }
 
  private:
   std::size_t index(std::size_t layer, std::size_t output, std::size_t input) const {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "gust/nn/mlp.h"
+#include "gust/nn/actor_network.h"
 #include "gust/nn/onnx_program.h"
 
 namespace gust {
@@ -19,7 +19,10 @@ using OnnxMetadata = std::map<std::string, std::string>;
 /// A policy network from an ONNX file. It does not change: any number of threads may share it.
 struct OnnxModel {
   OnnxProgram program;
-  std::optional<Mlp<float>> mlp;  ///< the same network, if it is a chain of linear layers with one kind of activation
+  /// The same network, if it is a chain of linear layers with one kind of activation, and at most a tanh and a box
+  /// after them. A risk level has become part of its biases.
+  std::optional<ActorNetwork> actor;
+  std::optional<float> alpha;  ///< the risk level that it acts at, if the file has an input 'alpha'
   OnnxMetadata metadata;
 
   std::size_t observations() const { return program.widths[0]; }
@@ -30,13 +33,18 @@ struct OnnxModel {
 /// an ONNX file: the part that leads from the one input [N, n] to the output 'action' (or 'actions', else the first).
 /// The batch may be open or fixed; the network runs for any number of lanes. onnx_operator_names() is what it may use.
 ///
+/// An input 'alpha' of one number that the file gives a default is a risk level: the model acts at that default, or at
+/// the level that is asked for.
+///
 /// An Error that starts with `name` for everything else: damaged files, weights kept in a second file, operators that
-/// are not supported, shapes that do not fit, numbers that are not finite, files above 64 MiB or 2^24 weights.
-OnnxModel read_onnx(std::string_view bytes, std::string_view name);
+/// are not supported, shapes that do not fit, numbers that are not finite, files above 64 MiB or 2^24 weights, a level
+/// for a file without 'alpha'.
+OnnxModel read_onnx(std::string_view bytes, std::string_view name, std::optional<float> alpha = {});
 
-/// The network as an ONNX file of opset 17: input obs [N, n], output action [N, m], both float32. Equal arguments give
-/// equal bytes, and read_onnx gives back the same network to the bit. A file that is cut short never reads as whole.
-std::string write_onnx(const Mlp<float>& mlp, const OnnxMetadata& metadata);
+/// The actor as an ONNX file of opset 17: input obs [N, n], output action [N, m], both float32; where it depends on a
+/// risk level, a second input alpha [1] with the actor's level as its default. Equal arguments give equal bytes, and
+/// read_onnx gives back the same actor to the bit (at its level). A file that is cut short never reads as whole.
+std::string write_onnx(const ActorNetwork& actor, const OnnxMetadata& metadata);
 
 /// Runs a model; holds the memory for it. One thread at a time.
 class OnnxRunner {
@@ -52,7 +60,7 @@ class OnnxRunner {
   static constexpr std::size_t kLanes = 64;
 
   const OnnxModel& model_;
-  std::optional<MlpWorkspace<float>> workspace_;
+  std::optional<ActorRunner> actor_;
   std::optional<OnnxProgramRunner> runner_;
 };
 

@@ -44,6 +44,7 @@ class GraphReader {
   void need_value(const std::string& name, const std::string& reader);
   OnnxTensor read_tensor(const onnx::TensorProto& proto, const std::string& what);
   void read_input();
+  void find_level();
   OnnxNode read_node(const onnx::NodeProto& proto);
   std::optional<OnnxAttribute> read_attribute(const onnx::AttributeProto& proto, const std::string& node);
   OnnxDims declared_dims(const onnx::ValueInfoProto& info) const;
@@ -68,6 +69,7 @@ OnnxGraph GraphReader::read() {
   choose_output();
   collect_nodes();
   read_input();
+  find_level();
   for (const auto& entry : model_.metadata_props()) out_.metadata[entry.key()] = entry.value();
   return std::move(out_);
 }
@@ -202,6 +204,13 @@ void GraphReader::read_input() {
   }
   if (batched) out_.fixed_batch = std::max<std::int64_t>(std::exchange(dims[0], kOnnxBatch), 0);
   out_.input_dims = std::move(dims);
+}
+
+void GraphReader::find_level() {
+  const auto constant = out_.constants.find("alpha");
+  if (constant == out_.constants.end() || constant->second.floats.size() != 1) return;
+  const auto& inputs = graph_.input();
+  out_.conditional = std::any_of(inputs.begin(), inputs.end(), [](const auto& info) { return info.name() == "alpha"; });
 }
 
 OnnxDims GraphReader::declared_dims(const onnx::ValueInfoProto& info) const {

@@ -37,6 +37,7 @@ struct OnnxGraph {
   OnnxDims output_dims;          ///< as declared, kOnnxBatch for what is left open; empty if the file says nothing
   std::vector<OnnxNode> nodes;
   std::map<std::string, OnnxTensor> constants;
+  bool conditional = false;  ///< constant 'alpha', one float, is the default of an input of that name
   std::map<std::string, std::string> metadata;
 };
 

@@ -36,8 +36,8 @@ TEST_CASE("the reference policies are read as networks of 64 x 64 tanh") {
   for (const char* name : {"scg-2022-ppo-s1", "scg-default-ppo-s1"}) {
     const OnnxModel model = read_onnx(reference(cat("scg_policies/", name, ".onnx")), name);
 
-    REQUIRE(model.mlp);
-    CHECK(model.mlp->shape() == MlpShape{.sizes = {4, 64, 64, 1}, .activation = Activation::kTanh});
+    REQUIRE(model.actor);
+    CHECK(model.actor->mlp.shape() == MlpShape{.sizes = {4, 64, 64, 1}, .activation = Activation::kTanh});
     CHECK(model.observations() == 4);
     CHECK(model.actions() == 1);
     CHECK(model.metadata.empty());
@@ -46,34 +46,35 @@ TEST_CASE("the reference policies are read as networks of 64 x 64 tanh") {
 
 TEST_CASE("exports of Stable-Baselines3 are read without their value and log-probability") {
   const OnnxModel ppo = read_onnx(reference("sb3_policies/ppo.onnx"), "ppo.onnx");
-  REQUIRE(ppo.mlp);
-  CHECK(ppo.mlp->shape() == MlpShape{.sizes = {4, 64, 64, 1}, .activation = Activation::kTanh});
+  REQUIRE(ppo.actor);
+  CHECK(ppo.actor->mlp.shape() == MlpShape{.sizes = {4, 64, 64, 1}, .activation = Activation::kTanh});
 
   const OnnxModel sac = read_onnx(reference("sb3_policies/sac.onnx"), "sac.onnx");
-  CHECK_FALSE(sac.mlp);  // a tanh follows the last layer
+  REQUIRE(sac.actor);  // a tanh follows the last layer
+  CHECK(sac.actor->box == ActionBox{{0}, {1}});
   CHECK(sac.program.steps.size() == 6);
 }
 
 TEST_CASE("a chain of layers with one activation is found to be one") {
-  CHECK(read_onnx(chain("Tanh").bytes(), "x").mlp->shape().activation == Activation::kTanh);
-  CHECK(read_onnx(chain("Relu").bytes(), "x").mlp->shape().activation == Activation::kRelu);
-  CHECK(read_onnx(chain("LeakyRelu").bytes(), "x").mlp->shape().activation == Activation::kLeakyRelu);
-  CHECK_FALSE(read_onnx(chain("Sigmoid").bytes(), "x").mlp);
+  CHECK(read_onnx(chain("Tanh").bytes(), "x").actor->mlp.shape().activation == Activation::kTanh);
+  CHECK(read_onnx(chain("Relu").bytes(), "x").actor->mlp.shape().activation == Activation::kRelu);
+  CHECK(read_onnx(chain("LeakyRelu").bytes(), "x").actor->mlp.shape().activation == Activation::kLeakyRelu);
+  CHECK_FALSE(read_onnx(chain("Sigmoid").bytes(), "x").actor);
 
   OnnxFixture other_slope = chain("LeakyRelu");
   set(*other_slope.graph().mutable_node(1), "alpha", 0.2f);
-  CHECK_FALSE(read_onnx(other_slope.bytes(), "x").mlp);
+  CHECK_FALSE(read_onnx(other_slope.bytes(), "x").actor);
 
   OnnxFixture shortcut = chain("Relu");
   shortcut.graph().mutable_node(2)->set_output(0, "sum");
   shortcut.node("Add", {"sum", "hidden"}, "action");
-  CHECK_FALSE(read_onnx(shortcut.bytes(), "x").mlp);
+  CHECK_FALSE(read_onnx(shortcut.bytes(), "x").actor);
   CHECK(act(shortcut, {-5, 0, 1}) == std::vector<float>{1, 6, 11});
 
   OnnxFixture bent = chain("Relu");
   bent.graph().mutable_node(2)->set_input(0, "sums");
   bent.node("Tanh", {"hidden"}, "unused");
-  CHECK_FALSE(read_onnx(bent.bytes(), "x").mlp);
+  CHECK_FALSE(read_onnx(bent.bytes(), "x").actor);
 }
 
 TEST_CASE("a network of one layer is a chain") {
@@ -81,7 +82,7 @@ TEST_CASE("a network of one layer is a chain") {
   file.floats("w", {3, 1}, {1, 10, 100});
   file.node("MatMul", {"obs", "w"}, "action");
 
-  CHECK(read_onnx(file.bytes(), "x").mlp->shape().sizes == std::vector<std::size_t>{3, 1});
+  CHECK(read_onnx(file.bytes(), "x").actor->mlp.shape().sizes == std::vector<std::size_t>{3, 1});
   CHECK(act(file, {1, 2, 3}) == std::vector<float>{321});
 }
 

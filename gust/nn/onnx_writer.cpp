@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,11 +13,13 @@ namespace {
 constexpr std::int64_t kOpset = 17;
 constexpr std::int64_t kIrVersion = 8;  // the one that came with opset 17
 
-void describe_value(onnx::ValueInfoProto& info, const std::string& name, std::size_t width) {
+enum class Batched { kNo, kYes };
+
+void describe_value(onnx::ValueInfoProto& info, const std::string& name, std::size_t width, Batched batched) {
   info.set_name(name);
   auto& tensor = *info.mutable_type()->mutable_tensor_type();
   tensor.set_elem_type(onnx::TensorProto::FLOAT);
-  tensor.mutable_shape()->add_dim()->set_dim_param("N");
+  if (batched == Batched::kYes) tensor.mutable_shape()->add_dim()->set_dim_param("N");
   tensor.mutable_shape()->add_dim()->set_dim_value(static_cast<std::int64_t>(width));
 }
 
@@ -38,23 +41,56 @@ onnx::NodeProto& add_node(onnx::GraphProto& graph, const std::string& op, const 
   return node;
 }
 
+void add_row(onnx::GraphProto& graph, const std::string& name, const std::vector<float>& row) {
+  add_tensor(graph, name, {.dims = {static_cast<std::int64_t>(row.size())}, .floats = row, .integers = {}});
+}
+
+/// The first biases of an actor that takes a risk level: bias + alpha weight, the level's default in the file.
+void add_level(onnx::GraphProto& graph, const ActorNetwork& actor) {
+  describe_value(*graph.add_input(), "alpha", 1, Batched::kNo);
+  add_row(graph, "alpha", {*actor.alpha});
+  std::vector<float> weights;
+  for (std::size_t output = 0; output < actor.mlp.shape().sizes[1]; ++output)
+    weights.push_back(actor.mlp.weight(0, output, actor.observations()));
+  add_row(graph, "weight_alpha", weights);
+  add_node(graph, "Mul", "alpha", "bias_of_alpha").add_input("weight_alpha");
+  add_node(graph, "Add", "bias0", "bias_at_alpha").add_input("bias_of_alpha");
+}
+
+/// tanh, and its stretching over the box where that is not -1 … 1.
+void add_box(onnx::GraphProto& graph, const ActionBox& box) {
+  const bool wide = std::ranges::any_of(box.half_width, [](float half) { return half != 1.0f; });
+  const bool moved = std::ranges::any_of(box.centre, [](float centre) { return centre != 0.0f; });
+  add_node(graph, "Tanh", "mean", wide || moved ? "squashed" : "action");
+  if (wide) {
+    add_row(graph, "half_width", box.half_width);
+    add_node(graph, "Mul", "squashed", moved ? "stretched" : "action").add_input("half_width");
+  }
+  if (moved) {
+    add_row(graph, "centre", box.centre);
+    add_node(graph, "Add", wide ? "stretched" : "squashed", "action").add_input("centre");
+  }
+}
+
 /// Weights as PyTorch keeps them, output by output.
-void add_layer(onnx::GraphProto& graph, const Mlp<float>& mlp, std::size_t layer) {
-  const auto inputs = static_cast<std::int64_t>(mlp.shape().sizes[layer]);
+void add_layer(onnx::GraphProto& graph, const ActorNetwork& actor, std::size_t layer) {
+  const Mlp<float>& mlp = actor.mlp;
+  const auto inputs = static_cast<std::int64_t>(layer == 0 ? actor.observations() : mlp.shape().sizes[layer]);
   const auto outputs = static_cast<std::int64_t>(mlp.shape().sizes[layer + 1]);
   OnnxTensor weights{.dims = {outputs, inputs}, .floats = {}, .integers = {}};
   OnnxTensor bias{.dims = {outputs}, .floats = {}, .integers = {}};
   for (std::size_t output = 0; output < mlp.shape().sizes[layer + 1]; ++output) {
     bias.floats.push_back(mlp.bias(layer, output));
-    for (std::size_t input = 0; input < mlp.shape().sizes[layer]; ++input) {
+    for (std::size_t input = 0; input < static_cast<std::size_t>(inputs); ++input) {
       weights.floats.push_back(mlp.weight(layer, output, input));
     }
   }
   const bool last = layer + 1 == mlp.shape().layers();
   const std::string from = layer == 0 ? "obs" : cat("hidden", layer - 1);
-  onnx::NodeProto& node = add_node(graph, "Gemm", from, last ? "action" : cat("sum", layer));
+  const std::string result = actor.box ? "mean" : "action";
+  onnx::NodeProto& node = add_node(graph, "Gemm", from, last ? result : cat("sum", layer));
   node.add_input(cat("weight", layer));
-  node.add_input(cat("bias", layer));
+  node.add_input(layer == 0 && actor.alpha ? "bias_at_alpha" : cat("bias", layer));
   onnx::AttributeProto& transposed = *node.add_attribute();
   transposed.set_name("transB");
   transposed.set_type(onnx::AttributeProto::INT);
@@ -85,7 +121,7 @@ void add_activation(onnx::GraphProto& graph, Activation activation, std::size_t 
 
 }  // namespace
 
-std::string write_onnx(const Mlp<float>& mlp, const OnnxMetadata& metadata) {
+std::string write_onnx(const ActorNetwork& actor, const OnnxMetadata& metadata) {
   onnx::ModelProto model;
   model.set_ir_version(kIrVersion);
   model.set_producer_name("gust");
@@ -96,12 +132,15 @@ std::string write_onnx(const Mlp<float>& mlp, const OnnxMetadata& metadata) {
   }
   onnx::GraphProto& graph = *model.mutable_graph();
   graph.set_name("policy");
-  describe_value(*graph.add_input(), "obs", mlp.shape().inputs());
-  describe_value(*graph.add_output(), "action", mlp.shape().outputs());
-  for (std::size_t layer = 0; layer < mlp.shape().layers(); ++layer) {
-    add_layer(graph, mlp, layer);
-    if (layer + 1 < mlp.shape().layers()) add_activation(graph, mlp.shape().activation, layer);
+  const MlpShape& shape = actor.mlp.shape();
+  describe_value(*graph.add_input(), "obs", actor.observations(), Batched::kYes);
+  describe_value(*graph.add_output(), "action", actor.actions(), Batched::kYes);
+  if (actor.alpha) add_level(graph, actor);
+  for (std::size_t layer = 0; layer < shape.layers(); ++layer) {
+    add_layer(graph, actor, layer);
+    if (layer + 1 < shape.layers()) add_activation(graph, shape.activation, layer);
   }
+  if (actor.box) add_box(graph, *actor.box);
   // The opset, which no reader does without, comes last: a file that lost its end is refused.
   onnx::ModelProto end;
   onnx::OperatorSetIdProto& opset = *end.add_opset_import();

@@ -1,12 +1,14 @@
 // onnx_run MODEL.onnx: reads observations as float32 from the standard input until it ends, and writes a line "n m
 // kind" (kind is mlp or program), then the actions as float32. onnx_run --rewrite MODEL.onnx: writes the network as
-// gust writes its own. A file that is refused: exit 2 and the message on the standard error.
+// gust writes its own; onnx_run --conditional ALPHA MODEL.onnx: the same, its last input being a risk level. A file
+// that is refused: exit 2 and the message on the standard error.
 #include <cstddef>
 #include <cstring>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,10 +24,11 @@ gust::OnnxModel read_model(const std::string& path) {
   return gust::read_onnx(read_all(file), path);
 }
 
-void rewrite(const std::string& path) {
-  const gust::OnnxModel model = read_model(path);
-  if (!model.mlp) throw gust::Error(gust::cat(path, ": is no chain of linear layers with one kind of activation"));
-  std::cout << gust::write_onnx(*model.mlp, model.metadata);
+void rewrite(const std::string& path, std::optional<float> alpha) {
+  gust::OnnxModel model = read_model(path);
+  if (!model.actor) throw gust::Error(gust::cat(path, ": is no chain of linear layers with one kind of activation"));
+  model.actor->alpha = alpha;
+  std::cout << gust::write_onnx(*model.actor, model.metadata);
 }
 
 void run(const std::string& path) {
@@ -38,7 +41,7 @@ void run(const std::string& path) {
 
   gust::OnnxRunner(model).run(observations, lanes, actions);
 
-  std::cout << model.observations() << ' ' << model.actions() << ' ' << (model.mlp ? "mlp" : "program") << '\n';
+  std::cout << model.observations() << ' ' << model.actions() << ' ' << (model.actor ? "mlp" : "program") << '\n';
   const auto size = static_cast<std::streamsize>(actions.size() * sizeof(float));
   std::cout.write(reinterpret_cast<const char*>(actions.data()), size);
 }
@@ -48,11 +51,13 @@ void run(const std::string& path) {
 int main(int count, char** arguments) try {
   const std::vector<std::string> words(arguments + 1, arguments + count);
   if (words.size() == 2 && words[0] == "--rewrite") {
-    rewrite(words[1]);
+    rewrite(words[1], {});
+  } else if (words.size() == 3 && words[0] == "--conditional") {
+    rewrite(words[2], std::stof(words[1]));
   } else if (words.size() == 1) {
     run(words[0]);
   } else {
-    throw gust::Error("usage: onnx_run [--rewrite] MODEL.onnx");
+    throw gust::Error("usage: onnx_run [--rewrite | --conditional ALPHA] MODEL.onnx");
   }
 } catch (const gust::Error& error) {
   std::cerr << error.what() << '\n';

@@ -2,6 +2,7 @@
 
 import numpy as np
 import onnx
+import onnxruntime
 import pytest
 from onnx import helper
 
@@ -244,3 +245,26 @@ def test_a_summand_of_gemm_may_depend_on_the_observation(build, tmp_path):
     action = g.op("Gemm", "obs", g.const(g.normal(4, 6)), first, beta=-0.5)
 
     assert compare(build, tmp_path, g.model(action)) == "program"
+
+
+def test_a_conditional_policy_runs_with_and_without_its_risk_level(build, tmp_path):
+    onnx.save(mlp((5, 32, 2), "Relu", seed=4), tmp_path / "plain.onnx")
+    observations = np.random.default_rng(5).normal(size=(40, 4)).astype(np.float32)
+
+    path = tmp_path / "conditional.onnx"
+    path.write_bytes(run_program(build, "--conditional", 0.3, tmp_path / "plain.onnx"))
+    model = onnx.load(path)
+
+    onnx.checker.check_model(model, full_check=True)
+    assert [(info.name, dims(info)) for info in model.graph.input] == [("obs", ["N", 4]), ("alpha", [1])]
+    session = onnxruntime.InferenceSession(path, providers=["CPUExecutionProvider"])
+    standard = session.run(["action"], {"obs": observations})[0]
+    ours, kind = run_gust(build, path, observations)
+    assert kind == "mlp"
+    assert np.abs(ours - standard).max() <= 1e-6 * np.ptp(standard)
+    for alpha in (0.3, 0.9):
+        told = session.run(["action"], {"obs": observations, "alpha": np.array([alpha], np.float32)})[0]
+        level = np.full((40, 1), alpha, np.float32)
+        plain, _ = run_gust(build, tmp_path / "plain.onnx", np.hstack([observations, level]))
+        assert np.abs(told - plain).max() <= 1e-6 * np.ptp(plain)
+        assert np.array_equal(told, standard) == (alpha == 0.3)
