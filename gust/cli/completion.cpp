@@ -37,7 +37,7 @@ Words known_words(const std::vector<CatalogueKind>& kinds) {
   words["--terminate"] = {"yes", "no"};
   words["--start"] = {"nominal", "random"};
   words["--color"] = {"auto", "always", "never"};
-  words["eval"] = {"lqr", "zero"};
+  words["eval"] = {"lqr", "pd", "zero"};
   words["train"] = names("agent");
   words["help"] = names("command");
   words["completion"] = {"bash", "zsh", "fish"};

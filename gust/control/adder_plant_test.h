@@ -26,6 +26,7 @@ class AdderPlant final : public Plant {
     spec_.action_low = {-4};
     spec_.action_high = {4};
     spec_.start = {1, -1};
+    spec_.start_offset = {0, 0};
     spec_.start_range = {0.5, 0};
     spec_.fail_low = {-100, -INFINITY};
     spec_.fail_high = {100, INFINITY};
@@ -43,8 +44,12 @@ class AdderPlant final : public Plant {
       motion.state.at(1, lane) += motion.force.at(0, lane);
     }
   }
-  void goal(std::span<double> goal) const noexcept override { goal[0] = goal[1] = 0; }
-  void begin(Rows<double>, std::size_t) const noexcept override {}
+  void reference(std::size_t sample, std::span<double> state) const noexcept override {
+    state[0] = 10.0 * static_cast<double>(sample);  // of which there is one, at 0, unless a test says otherwise
+    state[1] = 0.0;
+  }
+  void begin(Rows<double>, std::size_t, bool) const noexcept override {}
+  bool near_ground(std::span<const double>) const noexcept override { return false; }
   Linearisation linearise(std::span<const double>, std::span<const double>) const override {
     throw Bug("not linearised");
   }
@@ -64,7 +69,7 @@ inline Injection disturbance(Site site, Made<Waveform> shape, std::size_t channe
 /// A start of the adder at zero, with a level for each injection.
 inline EpisodeStart start_at_zero(const Plant& plant, std::span<const Injection> injections, std::vector<double> levels,
                                   Rng episode = Rng(1)) {
-  return {{0, 0}, {1.0}, std::move(levels), std::make_shared<Signals>(injections, plant.spec(), episode)};
+  return {{0, 0}, {1.0}, std::move(levels), std::make_shared<Signals>(injections, plant.spec(), episode), 0};
 }
 
 /// One step of every lane with the same command.

@@ -53,23 +53,26 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       reward_applied_(1, lanes),
       cost_(1, lanes) {
   for (const Injection& injection : injections) disturbs_[static_cast<int>(injection.site)] = true;
-  std::vector<double> goal(goal_.rows());
-  plant.goal(goal);
-  for (std::size_t i = 0; i < goal.size(); ++i) std::ranges::fill(goal_.row(i), goal[i]);
+  const std::size_t states = goal_.rows();
+  references_.resize(plant.spec().references * states);
+  for (std::size_t sample = 0; sample < plant.spec().references; ++sample)
+    plant.reference(sample, std::span(references_).subspan(sample * states, states));
+  for (std::size_t i = 0; i < states; ++i) std::ranges::fill(goal_.row(i), references_[i]);
 }
 
 void ClosedLoop::begin(std::size_t lane, const EpisodeStart& start) {
   const PlantSpec& spec = plant_.spec();
   GUST_CHECK(start.state.size() == spec.state.size() && start.parameters.size() == spec.parameters.size());
   GUST_CHECK(start.levels.size() == injections_.size() && (injections_.empty() || start.signals));
-  counter_[lane] = 0;
+  counter_[lane] = start.step;
   failed_[lane] = 0;
   signals_[lane] = start.signals;
   for (std::size_t i = 0; i < injections_.size(); ++i) levels_.at(i, lane) = start.levels[i];
   for (std::size_t i = 0; i < spec.state.size(); ++i) state_.at(i, lane) = start.state[i];
   for (std::size_t i = 0; i < spec.parameters.size(); ++i) parameters_.at(i, lane) = start.parameters[i];
-  plant_.begin(state_.view(), lane);
+  plant_.begin(state_.view(), lane, start.step > 0);
   for (std::size_t i = 0; i < spec.state.size(); ++i) observation_.at(i, lane) = start.state[i];
+  show_references(lane);
   if (disturbs(Site::kObservation)) add_signals(Site::kObservation, lane, observation_);
 }
 
@@ -79,8 +82,9 @@ void ClosedLoop::step(Rows<const double> command, Rows<const double> push, Rows<
   saturate_actions();
   draw_forces(push);
   plant_.advance({state_.view(), parameters_.view(), applied_.view(), force_.view()});
-  judge();
   for (std::int64_t& counter : counter_) ++counter;
+  aim();
+  judge();
   observe();
 }
 
@@ -128,6 +132,33 @@ void ClosedLoop::draw_forces(Rows<const double> push) noexcept {
   }
   for (std::size_t i = 0; i < push.rows; ++i) {
     for (std::size_t lane = 0; lane < lanes_; ++lane) force_.at(i, lane) += push.at(i, lane);
+  }
+}
+
+/// State `sample` of the reference, which stands still at its end.
+std::span<const double> ClosedLoop::reference(std::int64_t sample) const noexcept {
+  const std::size_t states = goal_.rows();
+  const auto last = static_cast<std::int64_t>(plant_.spec().references) - 1;
+  return std::span(references_).subspan(static_cast<std::size_t>(std::min(sample, last)) * states, states);
+}
+
+/// What the state after the step is compared with.
+void ClosedLoop::aim() noexcept {
+  if (plant_.spec().references == 1) return;
+  const auto lag = static_cast<std::int64_t>(plant_.spec().reference_lag);
+  for (std::size_t lane = 0; lane < lanes_; ++lane) {
+    const auto goal = reference(counter_[lane] - lag);
+    for (std::size_t i = 0; i < goal.size(); ++i) goal_.at(i, lane) = goal[i];
+  }
+}
+
+/// The references ahead, after the state in the observation. The first observation never lags (tasks 2.4).
+void ClosedLoop::show_references(std::size_t lane) noexcept {
+  const PlantSpec& spec = plant_.spec();
+  const auto lag = static_cast<std::int64_t>(counter_[lane] > 0 ? spec.reference_lag : 0);
+  for (std::size_t ahead = 1; ahead <= spec.horizon; ++ahead) {
+    const auto shown = reference(counter_[lane] - lag + static_cast<std::int64_t>(ahead));
+    for (std::size_t i = 0; i < shown.size(); ++i) observation_.at(ahead * shown.size() + i, lane) = shown[i];
   }
 }
 
@@ -182,7 +213,10 @@ void ClosedLoop::charge(Rows<const double> action, std::span<double> reward) con
 }
 
 void ClosedLoop::observe() noexcept {
-  for (std::size_t i = 0; i < observation_.rows(); ++i) std::ranges::copy(state_.row(i), observation_.row(i).begin());
+  for (std::size_t i = 0; i < goal_.rows(); ++i) std::ranges::copy(state_.row(i), observation_.row(i).begin());
+  if (plant_.spec().horizon > 0) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) show_references(lane);
+  }
   if (!disturbs(Site::kObservation)) return;
   for (std::size_t lane = 0; lane < lanes_; ++lane) add_signals(Site::kObservation, lane, observation_);
 }
@@ -209,7 +243,8 @@ std::vector<double> nominal_parameters(const PlantSpec& spec) {
 std::vector<double> random_start(const PlantSpec& spec, Rng episode) {
   const Rng rng = episode.split("start");
   std::vector<double> state = spec.start;
-  for (std::size_t i = 0; i < state.size(); ++i) state[i] += spec.start_range[i] * (2.0 * rng.uniform(i) - 1.0);
+  for (std::size_t i = 0; i < state.size(); ++i)
+    state[i] += spec.start_offset[i] + spec.start_range[i] * (2.0 * rng.uniform(i) - 1.0);
   return state;
 }
 

@@ -18,6 +18,7 @@ struct EpisodeStart {
   std::vector<double> parameters;          ///< in the order of the plant's spec
   std::vector<double> levels;              ///< one factor per injection
   std::shared_ptr<const Signals> signals;  ///< shared: many lanes meet the same noise at their own levels
+  std::int64_t step = 0;                   ///< control steps that lie before; the plant is then in motion
 };
 
 /// A batch of episodes, one a lane, stepped together: the only place where plant, disturbance and command meet.
@@ -39,12 +40,13 @@ class ClosedLoop {
   std::size_t lanes() const { return lanes_; }
   /// Control steps done in this lane's episode.
   std::int64_t steps_done(std::size_t lane) const { return counter_[lane]; }
+  std::span<const std::int64_t> steps_done() const { return counter_; }
 
-  /// What the policy sees now: the disturbed state, states x lanes.
+  /// What the policy sees now: the disturbed state, then the references ahead; spec().observations() x lanes.
   Rows<const double> observation() const { return observation_.view(); }
   /// The true state after the last step.
   Rows<const double> state() const { return state_.view().first_rows(plant_.spec().state.size()); }
-  /// The goal that the last step's reward compared with.
+  /// The reference that the last step's reward compared with.
   Rows<const double> goal() const { return goal_.view(); }
   /// Of the last step: what was commanded (clipped to the actuator's bounds), what the disturbance made of it, and
   /// what the plant received; physical units.
@@ -60,6 +62,10 @@ class ClosedLoop {
   std::span<const double> reward_disturbed() const { return reward_disturbed_.row(0); }
   /// Whether the true state has left the safe set in the last step, or is no number any more.
   bool failed(std::size_t lane) const { return failed_[lane]; }
+  /// Whether the plant has touched the ground since its episode began.
+  bool touched_ground(std::size_t lane) const {
+    return plant_.spec().contact && state_.at(*plant_.spec().contact, lane) != 0.0;
+  }
 
  private:
   void command_actions(Rows<const double> command) noexcept;
@@ -69,6 +75,9 @@ class ClosedLoop {
   void judge() noexcept;
   void charge(Rows<const double> action, std::span<double> reward) const noexcept;
   void observe() noexcept;
+  void show_references(std::size_t lane) noexcept;
+  void aim() noexcept;
+  std::span<const double> reference(std::int64_t sample) const noexcept;
   bool disturbs(Site site) const noexcept { return disturbs_[static_cast<int>(site)]; }
   void add_signals(Site site, std::size_t lane, Matrix<double>& to) const noexcept;
 
@@ -78,6 +87,7 @@ class ClosedLoop {
   bool saturates_;  // the disturbed sum is clipped to the actuator's bounds
   std::span<const Injection> injections_;
   std::size_t lanes_;
+  std::vector<double> references_;  // state by state
   bool disturbs_[std::size(kSites)] = {};
   std::vector<std::int64_t> counter_;
   std::vector<std::uint8_t> failed_;

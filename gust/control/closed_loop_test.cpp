@@ -313,3 +313,42 @@ TEST_CASE("random starts fill the training distribution and are the episode's ow
   CHECK(random_start(plant.spec(), Rng(7)) == random_start(plant.spec(), Rng(7)));
   CHECK(nominal_parameters(plant.spec()) == std::vector<double>{1.0});
 }
+
+TEST_CASE("a moving reference is compared with and shown one step ahead, and stands still at its end") {
+  AdderPlant plant;
+  plant.spec_.references = 3;  // 0, 10, 20
+  plant.spec_.horizon = 2;
+  for (const std::size_t lag : {0u, 1u}) {
+    plant.spec_.reference_lag = lag;
+    ClosedLoop loop(plant, Readings{}, {}, 1);
+    loop.begin(0, {{0, 0}, {1.0}, {}, {}, 0});
+    REQUIRE(loop.observation().rows == 6);
+    CHECK(loop.observation().at(2, 0) == 10.0);  // the first observation never lags
+    CHECK(loop.observation().at(4, 0) == 20.0);
+
+    step_all(loop, 0.0);
+
+    CHECK(loop.goal().at(0, 0) == (lag == 0 ? 10.0 : 0.0));
+    CHECK(loop.observation().at(2, 0) == (lag == 0 ? 20.0 : 10.0));
+    CHECK(loop.observation().at(4, 0) == 20.0);
+
+    step_all(loop, 0.0);
+    step_all(loop, 0.0);
+    CHECK(loop.goal().at(0, 0) == 20.0);
+    CHECK(loop.observation().at(2, 0) == 20.0);
+  }
+}
+
+TEST_CASE("noise of the observation leaves the references alone") {
+  AdderPlant plant;
+  plant.spec_.references = 3;
+  plant.spec_.horizon = 1;
+  const std::vector<Injection> injections = {disturbance(Site::kObservation, waveform("constant"), 2)};
+  ClosedLoop loop(plant, Readings{}, injections, 1);
+  loop.begin(0, start_at_zero(plant, injections, {3.0}));
+
+  CHECK(loop.observation().at(0, 0) == 3.0);
+  CHECK(loop.observation().at(1, 0) == 3.0);
+  CHECK(loop.observation().at(2, 0) == 10.0);
+  CHECK(loop.observation().at(3, 0) == 0.0);
+}

@@ -72,6 +72,7 @@ void EpisodeMeter::record_lane(const ClosedLoop& loop, std::size_t lane) {
   }
   add(episode.whole, step, loop.state(), lane);
   episode.failed = episode.failed || loop.failed(lane);
+  episode.touched_ground = loop.touched_ground(lane);
   episode.finite = episode.finite && std::isfinite(step.squared) && std::isfinite(step.disturbed);
 }
 

@@ -27,7 +27,8 @@ struct Episode {
   EpisodePart whole;  ///< all steps of the horizon
   bool failed = false;
   std::int64_t safe_steps = 0;  ///< steps up to and with the one that failed; all of them if none did
-  bool finite = true;           ///< false if a state or reward was no finite number; sums are then NaN where it entered
+  bool touched_ground = false;
+  bool finite = true;  ///< false if a state or reward was no finite number; sums are then NaN where it entered
   double control_rate = 0;
   std::int64_t horizon = 0;
   std::size_t angle = 0;  ///< which state component is the angle

@@ -4,39 +4,39 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "gust/control/tracking.h"
+
 namespace gust {
 namespace {
 
 class FeedbackPolicy final : public Policy {
  public:
-  FeedbackPolicy(const Plant& plant, Eigen::MatrixXd gain)
-      : gain_(std::move(gain)),
-        goal_(plant.spec().state.size()),
-        action_goal_(plant.spec().action_goal),
-        scale_(plant.spec().action_scale),
-        offset_(plant.spec().action_offset) {
-    plant.goal(goal_);
-  }
+  FeedbackPolicy(const PlantSpec& spec, std::vector<FeedbackKnot> knots)
+      : knots_(std::move(knots)),
+        observations_(spec.observations()),
+        scale_(spec.action_scale),
+        offset_(spec.action_offset) {}
 
-  std::size_t observations() const override { return goal_.size(); }
+  std::size_t observations() const override { return observations_; }
   std::size_t actions() const override { return scale_.size(); }
 
-  void act(Rows<const double> observation, Rows<double> action) override {
-    for (std::size_t i = 0; i < scale_.size(); ++i) {
-      for (std::size_t lane = 0; lane < action.lanes; ++lane) {
-        double physical = action_goal_[i];
-        for (std::size_t j = 0; j < goal_.size(); ++j) {
-          physical -=
-              gain_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * (observation.at(j, lane) - goal_[j]);
-        }
+  void act(Rows<const double> observation, std::span<const std::int64_t> step, Rows<double> action) override {
+    for (std::size_t lane = 0; lane < action.lanes; ++lane) {
+      const FeedbackKnot& knot = knots_[std::min(static_cast<std::size_t>(step[lane]), knots_.size() - 1)];
+      for (std::size_t i = 0; i < scale_.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        double physical = knot.action[row];
+        for (Eigen::Index j = 0; j < knot.state.size(); ++j)
+          physical -= knot.gain(row, j) * (observation.at(static_cast<std::size_t>(j), lane) - knot.state[j]);
         action.at(i, lane) = (physical - offset_[i]) / scale_[i];
       }
     }
   }
 
  private:
-  Eigen::MatrixXd gain_;
-  std::vector<double> goal_, action_goal_, scale_, offset_;
+  std::vector<FeedbackKnot> knots_;
+  std::size_t observations_;
+  std::vector<double> scale_, offset_;
 };
 
 Eigen::MatrixXd diagonal(const std::vector<double>& values) {
@@ -47,6 +47,13 @@ Eigen::MatrixXd gain_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, cons
                         const LqrWeights& weights) {
   const Eigen::MatrixXd effort = diagonal(weights.r) + b.transpose() * cost * b;
   return effort.inverse() * b.transpose() * cost * a;
+}
+
+/// A moving reference has rates; at rest there are none.
+void rest(const PlantSpec& spec, std::vector<double>& state) {
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    if (spec.state[i].name.ends_with("_dot")) state[i] = 0.0;
+  }
 }
 
 bool settles(const Eigen::MatrixXd& loop) { return loop.allFinite() && loop.eigenvalues().cwiseAbs().maxCoeff() < 1.0; }
@@ -81,22 +88,37 @@ Eigen::MatrixXd lqr_gain(const Plant& plant, const LqrWeights& weights) {
   const PlantSpec& spec = plant.spec();
   GUST_CHECK(weights.q.size() == spec.state.size() && weights.r.size() == spec.action.size());
   std::vector<double> goal(spec.state.size());
-  plant.goal(goal);
+  plant.reference(0, goal);
+  if (spec.references > 1) rest(spec, goal);
   const Linearisation model = plant.linearise(goal, spec.action_goal);
   return gain_of(model.a, model.b, solve_riccati(model.a, model.b, weights), weights);
 }
 
 LqrWeights reward_weights(const PlantSpec& spec) {
-  constexpr double kLeast = 0.1;  // a state that the reward ignores still has to settle
-  constexpr double kLeastEffort = 1e-4;
+  constexpr double kLeast = 0.1;         // a state that the reward ignores still has to settle
+  constexpr double kLeastEffort = 0.01;  // of the policy's whole authority
   LqrWeights weights{spec.state_weights, {}};
   for (double& weight : weights.q) weight = std::max(weight, kLeast);
-  weights.r.assign(spec.action.size(), std::max(spec.action_weight, kLeastEffort));
+  for (std::size_t i = 0; i < spec.action.size(); ++i) {
+    const double authority =
+        spec.normalized_action ? spec.action_scale[i] : 0.5 * (spec.action_high[i] - spec.action_low[i]);
+    weights.r.push_back(std::max(spec.action_weight, kLeastEffort / (authority * authority)));
+  }
   return weights;
 }
 
+std::unique_ptr<Policy> feedback_policy(const Plant& plant, std::vector<FeedbackKnot> knots) {
+  return std::make_unique<FeedbackPolicy>(plant.spec(), std::move(knots));
+}
+
 std::unique_ptr<Policy> feedback_policy(const Plant& plant, const Eigen::MatrixXd& gain) {
-  return std::make_unique<FeedbackPolicy>(plant, gain);
+  return feedback_policy(plant, reference_knots(plant, gain));
+}
+
+std::unique_ptr<Policy> lqr_policy(const Plant& plant, const LqrWeights& weights) {
+  const Eigen::MatrixXd gain = lqr_gain(plant, weights);
+  if (plant.spec().references == 1) return feedback_policy(plant, gain);
+  return feedback_policy(plant, tracking_knots(plant, weights, reference_knots(plant, gain)));
 }
 
 }  // namespace gust

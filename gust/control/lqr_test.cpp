@@ -12,6 +12,8 @@ using namespace gust;
 
 namespace {
 
+const std::vector<std::int64_t> kFirst(8, 0);  // every lane before its first step
+
 using Json = nlohmann::json;
 
 /// What SciPy says; tests/reference/lqr/make.py wrote it.
@@ -124,7 +126,7 @@ TEST_CASE("feedback acts on the distance to the goal, in the policy's own unit")
   seen.at(2, 2) = 0.25;
 
   const auto act = [&](const Plant& plant) {
-    feedback_policy(plant, gain)->act(seen.view(), action.view());
+    feedback_policy(plant, gain)->act(seen.view(), kFirst, action.view());
     return std::vector<double>(action.row(0).begin(), action.row(0).end());
   };
 
@@ -138,11 +140,11 @@ TEST_CASE("the regulator holds the pole up through a whole episode") {
   const Made<Plant> plant = standard_cartpole();
   const auto policy = feedback_policy(*plant, lqr_gain(*plant, reward_weights(plant->spec())));
   ClosedLoop loop(*plant, Readings{}, {}, 1);
-  loop.begin(0, {{0.2, 0, 0.1, 0}, nominal_parameters(plant->spec()), {}, {}});
+  loop.begin(0, {{0.2, 0, 0.1, 0}, nominal_parameters(plant->spec()), {}, {}, 0});
   Matrix<double> command(1, 1);
 
   for (int k = 0; k < 250; ++k) {
-    policy->act(loop.observation(), command.view());
+    policy->act(loop.observation(), loop.steps_done(), command.view());
     loop.step(command.view());
     REQUIRE_FALSE(loop.failed(0));
   }
@@ -155,7 +157,7 @@ TEST_CASE("the zero policy does nothing") {
   Matrix<double> action(1, 2, 7.0);
   const auto policy = zero_policy(4, 1);
 
-  policy->act(seen.view(), action.view());
+  policy->act(seen.view(), kFirst, action.view());
 
   CHECK(action.at(0, 0) == 0.0);
   CHECK(action.at(0, 1) == 0.0);

@@ -38,7 +38,7 @@ class ActorPolicy final : public Policy {
   std::size_t observations() const override { return mlp_.inputs(); }
   std::size_t actions() const override { return mlp_.outputs(); }
 
-  void act(Rows<const double> observation, Rows<double> action) override {
+  void act(Rows<const double> observation, std::span<const std::int64_t>, Rows<double> action) override {
     for (std::size_t lane = 0; lane < observation.lanes; lane += kLanes) {
       const std::size_t count = std::min(kLanes, observation.lanes - lane);
       const std::span<double> in(in_.data(), count * observations());
@@ -67,7 +67,7 @@ class GraphPolicy final : public Policy {
   std::size_t observations() const override { return model_.observations(); }
   std::size_t actions() const override { return model_.actions(); }
 
-  void act(Rows<const double> observation, Rows<double> action) override {
+  void act(Rows<const double> observation, std::span<const std::int64_t>, Rows<double> action) override {
     for (std::size_t lane = 0; lane < observation.lanes; lane += kLanes) {
       const std::size_t count = std::min(kLanes, observation.lanes - lane);
       const std::span<float> in(in_.data(), count * observations());

@@ -11,7 +11,7 @@ class ZeroPolicy final : public Policy {
 
   std::size_t observations() const override { return observations_; }
   std::size_t actions() const override { return actions_; }
-  void act(Rows<const double>, Rows<double> action) override {
+  void act(Rows<const double>, std::span<const std::int64_t>, Rows<double> action) override {
     for (std::size_t i = 0; i < actions_; ++i) std::ranges::fill(action.row(i), 0.0);
   }
 

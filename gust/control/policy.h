@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 
 #include "gust/core/rows.h"
 
@@ -15,9 +17,10 @@ class Policy {
   virtual std::size_t actions() const = 0;
 
   /// Writes an action for every lane, in the unit in which the plant's preset lets policies act, not clipped.
-  /// observation is observations() x lanes, action is actions() x lanes. The bits of a lane do not depend on the
-  /// others. An object belongs to one thread: it may use its own scratch memory.
-  virtual void act(Rows<const double> observation, Rows<double> action) = 0;
+  /// observation is observations() x lanes, action is actions() x lanes; `step` tells the control steps that each
+  /// lane's episode has behind it, for controllers that follow a clock. The bits of a lane do not depend on the others.
+  /// An object belongs to one thread: it may use its own scratch memory.
+  virtual void act(Rows<const double> observation, std::span<const std::int64_t> step, Rows<double> action) = 0;
 };
 
 /// Does nothing: the plant by itself.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gust/control/cascade.h"
+#include "gust/control/lqr.h"
 #include "gust/control/recording_csv.h"
 #include "gust/control/recording_description.h"
 
@@ -12,14 +14,15 @@ namespace {
 constexpr Meaning kColumns[] = {
     {"k", "number of the record: 0 is the reset, k follows control step k - 1"},
     {"t", "k / ctrl_freq [s]"},
-    {"a_raw", "what the controller asked for in that step, in its own unit"},
+    {"a_raw", "what the controller asked for in that step, in its own unit; a_raw0, a_raw1 where there are two"},
     {"a_phys", "the same in physical units [N]"},
     {"a_noisy", "with all that disturbed the action, before the actuator saturates [N]"},
     {"a_applied", "what pushed the plant [N]"},
     {"f_x, f_z", "external force during the step, 0 if there was none [N]"},
     {"adv_x, adv_z", "an adversary's share of f_x, f_z, 0 if there was none [N]"},
-    {"x, x_dot, theta, theta_dot", "true state after the step [m, m/s, rad, rad/s]"},
-    {"obs0, obs1, obs2, obs3", "the state as the controller saw it"},
+    {"x, x_dot, theta, theta_dot", "true state after the step, a column for each of the plant's [m, m/s, rad, rad/s]"},
+    {"obs0, obs1, obs2, …",
+     "the state as the controller saw it; where a trajectory is tracked, then the next reference"},
     {"reward, sq_err", "of the state after the step"},
     {"out_of_bounds, done, timelimit", "0 or 1 after the step"},
 };
@@ -47,7 +50,7 @@ std::vector<std::string> state_columns(const PlantSpec& spec) {
 
 std::vector<std::string> observation_columns(const PlantSpec& spec) {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < spec.state.size(); ++i) names.push_back(cat("obs", i));
+  for (std::size_t i = 0; i < spec.observations(); ++i) names.push_back(cat("obs", i));
   return names;
 }
 
@@ -127,6 +130,11 @@ std::string lines_of(std::span<const Meaning> meanings) {
 }
 
 }  // namespace
+
+std::unique_ptr<Policy> Recording::controller() const {
+  if (gain.size() > 0) return feedback_policy(*plant, gain);
+  return cascade ? cascade_policy(*plant, *cascade) : nullptr;
+}
 
 Recording read_recording(const NamedBytes& description, const NamedBytes& records) {
   Recording recording = read_description(description);

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <optional>
 
+#include "gust/control/policy.h"
 #include "gust/sim/plant.h"
 
 namespace gust {
@@ -13,15 +16,16 @@ namespace gust {
 /// record 0 is the reset and has no action, force or outcome. SI units.
 struct Recording {
   std::string name;
-  Made<Plant> plant;          ///< the model with the recorded parameters, rates, goal and reward weights
-  std::string policy;         ///< kind of the controller that acted
-  Eigen::MatrixXd gain;       ///< K of u = u_goal - K (observation - goal), actions x states; empty in an open loop
-  double goal_tolerance = 0;  ///< done when |state - goal| is below it; 0 for never
+  Made<Plant> plant;                  ///< the model with the recorded parameters, rates, goal and reward weights
+  std::string policy;                 ///< kind of the controller that acted
+  Eigen::MatrixXd gain;               ///< K of u = u_goal - K (observation - goal), actions x states, of an "lqr"
+  std::optional<Cascade> cascade;     ///< gains of a "pd"
+  double goal_tolerance = 0;          ///< done when |state - goal| is below it; 0 for never
   bool exponential_reward = true;     ///< the reward is exp(-J), else -J
   std::vector<double> error_weights;  ///< v of the squared error sum (v e)^2
 
   Matrix<double> state;
-  Matrix<double> observation;  ///< what the controller saw
+  Matrix<double> observation;  ///< what the controller saw: the state with noise, then references
   Matrix<double> command;      ///< what the controller asked for, in the policy's unit
   Matrix<double> physical;     ///< the same in physical units
   Matrix<double> disturbed;    ///< after the action disturbance, before saturation
@@ -30,6 +34,8 @@ struct Recording {
   Matrix<double> outcome;      ///< rows: Recorded
 
   std::size_t steps() const { return state.lanes() - 1; }
+  /// The controller, if it is one that can be run again; else null.
+  std::unique_ptr<Policy> controller() const;
 };
 
 /// Rows of Recording::outcome. The flags are 0 or 1.

@@ -22,8 +22,9 @@ constexpr Meaning kKeys[] = {
     {"goal", "state to hold, one number a state"},
     {"goal_tolerance", "done when |state - goal| is below this; 0 for never"},
     {"normalized_action", "true if a_raw is in [-1, 1], false if it is physical"},
-    {"action_bounds", "[[lowest], [highest]] that the actuator gives [N]"},
-    {"policy", "{\"type\": \"lqr\"} is run in closed loop and needs lqr_gain; any other is an open loop"},
+    {"action_bounds", "[[lowest], [highest]] that the actuators give, one number each [N]"},
+    {"policy",
+     "{\"type\": \"lqr\"} is run in closed loop and needs lqr_gain, \"pd\" pd_gains; others are an open loop"},
     {"rew_state_weight", "w of the reward exp(-sum w e^2 - w_u u^2), one number or one a state"},
     {"rew_act_weight", "w_u of the reward, which charges a_noisy"},
     {"rew_exponential", "true; false if the column reward holds -sum w e^2 - w_u u^2"},
@@ -33,8 +34,9 @@ constexpr Meaning kOptionalKeys[] = {
     {"name", "what the output calls it; else the name of the file"},
     {"lqr_gain", "K of u = -K (observation - goal), one number a state"},
     {"init_state", "must then equal record 0"},
-    {"task", "must then be \"stabilization\""},
-    {"u_goal", "must then be the plant's: [0] for the cart-pole"},
+    {"pd_gains", "of the quadrotor's cascade: kx, kdx, th_max, kz, kdz, kth, kq, M, Iyy, arm"},
+    {"task", "\"stabilization\"; for the quadrotor also \"traj_tracking\", its default circle"},
+    {"u_goal", "must then be the plant's: [0] for the cart-pole, its weight for the quadrotor"},
 };
 
 /// The value of a key that must be there.
@@ -75,11 +77,34 @@ Value spread_value(const Table& table, std::string_view key, std::size_t count) 
   return {Value::List(count, value), value.place};
 }
 
-const Entry<Plant>& plant_kind(const Table& description) {
+/// How recordings name a plant and its parameters, where gust has other names.
+struct Dialect {
+  std::string_view plant;
+  std::string_view kind;
+  std::vector<std::pair<std::string_view, std::string_view>> parameters;
+
+  std::string parameter(std::string_view name) const {
+    for (const auto& [theirs, ours] : parameters)
+      if (ours == name) return std::string(theirs);
+    return std::string(name);
+  }
+};
+
+const std::vector<Dialect>& dialects() {
+  static const std::vector<Dialect> all = {{"quad2d", "quadrotor", {{"M", "mass"}, {"Iyy", "inertia"}}}};
+  return all;
+}
+
+Dialect dialect_of(const Table& description) {
   const Value& kind = need(description, "plant");
   const std::string& name = kind.as_text("plant");
-  const std::vector<std::string> names = plants().names();
-  if (std::find(names.begin(), names.end(), name) != names.end()) return plants().at(name);
+  std::vector<std::string> names = plants().names();
+  for (const Dialect& dialect : dialects()) {
+    if (dialect.plant == name) return dialect;
+    names.emplace_back(dialect.plant);
+  }
+  for (const std::string& known : plants().names())
+    if (known == name) return {known, known, {}};
   throw error_at(kind.place, "unknown plant '", name, "'", did_you_mean(name, names), "; known are ",
                  join(names, ", "));
 }
@@ -104,57 +129,88 @@ void set_rates(Table& options, const Table& description) {
   options.set("steps", steps);
 }
 
-/// The limit of an actuator that gives as much to one side as to the other.
-Value force_limit(const Table& description) {
+/// What the actuators give, each as much as the others: to one side as to the other, or from a least to a greatest.
+void set_bounds(Table& options, const Table& description, const PlantSpec& spec) {
   const Value& value = need(description, "action_bounds");
+  const std::size_t count = spec.action.size();
   std::vector<double> ends;
   for (const Value& bound : value.as_list("action_bounds")) {
     const std::vector<double> numbers = bound.as_numbers("action_bounds");
-    ends.insert(ends.end(), numbers.begin(), numbers.end());
+    if (numbers.size() == count && std::ranges::count(numbers, numbers.front()) == std::ssize(numbers))
+      ends.push_back(numbers.front());
   }
-  if (ends.size() == 2 && ends[1] > 0 && ends[0] == -ends[1]) return {ends[1], value.place};
-  throw error_at(value.place, "'action_bounds' must be [[-limit], [limit]] with limit > 0");
+  const bool symmetric = spec.action_low.front() < 0;
+  if (ends.size() != 2 || ends[0] >= ends[1] || (symmetric && ends[0] != -ends[1])) {
+    throw error_at(value.place, symmetric ? "'action_bounds' must be [[-limit], [limit]] with limit > 0"
+                                          : "'action_bounds' must be [[low, low], [high, high]] with low < high");
+  }
+  if (!symmetric) options.set("thrust_low", {ends[0], value.place});
+  options.set(symmetric ? "force_limit" : "thrust_high", {ends[1], value.place});
 }
 
-void set_parameters(Table& options, const Table& description, const PlantSpec& spec) {
+void set_parameters(Table& options, const Table& description, const Dialect& dialect, const PlantSpec& spec) {
   const Table& given = need(description, "plant_params").as_table("plant_params");
+  std::vector<std::string> known;
   for (const Parameter& parameter : spec.parameters) {
-    if (given.contains(parameter.name)) continue;
-    throw error_at(given.place, "'plant_params' lacks '", parameter.name, "' [", parameter.unit, "]");
+    const std::string theirs = dialect.parameter(parameter.name);
+    known.push_back(theirs);
+    if (!given.contains(theirs)) {
+      throw error_at(given.place, "'plant_params' lacks '", theirs, "' [", parameter.unit, "]");
+    }
+    options.set(parameter.name, *given.find(theirs));
   }
   for (const auto& [name, value] : given.items) {
+    if (std::ranges::find(known, name) != known.end()) continue;
     if (options.contains(name)) throw error_at(value.place, "'", name, "' is no parameter of the plant");
-    options.set(name, value);
+    options.set(name, value);  // any other option of the plant
   }
+}
+
+/// A goal to hold, or the plant's own trajectory with the next reference in the observation.
+void set_task(Table& options, const Table& description, const PlantSpec& spec) {
+  const Value* task = description.find("task");
+  const bool choice = spec.references > 1;  // a plant that tracks by default can do either
+  if (task != nullptr && choice && task->as_text("task") == "traj_tracking") {
+    options.set("horizon", {std::int64_t{1}, task->place});
+    return;
+  }
+  if (task != nullptr && task->as_text("task") != "stabilization") {
+    throw error_at(task->place, "'task' must be \"stabilization\"", choice ? " or \"traj_tracking\"" : "", ", got '",
+                   task->as_text("task"), "'");
+  }
+  options.set("goal", list_value(description, "goal", spec.state.size()));
+  if (!choice) return;
+  options.set("task", {std::string("stabilise"), description.place});
+  options.set("horizon", {std::int64_t{0}, description.place});
 }
 
 /// The plant as the file describes it.
 Made<Plant> make_plant(const Table& description) {
-  const Entry<Plant>& kind = plant_kind(description);
+  const Dialect dialect = dialect_of(description);
+  const Entry<Plant>& kind = plants().at(dialect.kind);
   const Made<Plant> standard = kind.make(Table{{}, description.place});
-  const std::size_t states = standard->spec().state.size();
+  const PlantSpec& spec = standard->spec();
   Table options{{}, description.place};
   set_rates(options, description);
   options.set("gravity", number_value(description, "gravity", non_negative));
-  options.set("goal", list_value(description, "goal", states));
+  set_task(options, description, spec);
   const Value& normalized = need(description, "normalized_action");
   options.set("normalized_action", {normalized.as_bool("normalized_action"), normalized.place});
-  options.set("force_limit", force_limit(description));
-  options.set("state_weights", spread_value(description, "rew_state_weight", states));
+  set_bounds(options, description, spec);
+  options.set("state_weights", spread_value(description, "rew_state_weight", spec.state.size()));
   options.set("action_weight", spread_value(description, "rew_act_weight", 1).as_list("").front());
-  set_parameters(options, description, standard->spec());
+  if (spec.contact) options.set("artefacts", {std::string("scg"), description.place});
+  set_parameters(options, description, dialect, spec);
   return kind.make(options);
 }
 
-void check_task(const Table& description, const PlantSpec& spec) {
-  const Value* task = description.find("task");
-  if (task != nullptr && task->as_text("task") != "stabilization") {
-    throw error_at(task->place, "'task' must be \"stabilization\", got '", task->as_text("task"), "'");
-  }
+void check_action_goal(const Table& description, const PlantSpec& spec) {
   if (!description.contains("u_goal")) return;
   const Value u_goal = list_value(description, "u_goal", spec.action.size());
-  if (u_goal.as_numbers("u_goal") != spec.action_goal) {
-    throw error_at(u_goal.place, "'u_goal' must be ", canonical_text(spec.action_goal));
+  const std::vector<double> given = u_goal.as_numbers("u_goal");
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    if (std::abs(given[i] - spec.action_goal[i]) > 1e-12)
+      throw error_at(u_goal.place, "'u_goal' must be ", canonical_text(spec.action_goal));
   }
 }
 
@@ -169,6 +225,24 @@ Eigen::MatrixXd read_gain(const Table& description, const PlantSpec& spec) {
     for (Eigen::Index j = 0; j < columns; ++j) gain(i, j) = numbers[static_cast<std::size_t>(i * columns + j)];
   }
   return gain;
+}
+
+/// The gains of the reference simulator's controller of the quadrotor. Its recordings obey
+///   th_d = clip(6 kx (x_r - x) + 3 kdx (x_r' - x'), ±th_max)      thrust = M (g + 2 kz (z_r - z) + kdz (z_r' - z'))
+///   moment = I (kth (th_d - th) - kq th')
+/// to rounding error: the factors 6, 3 and 2 are measured, the names alone do not tell them.
+Cascade read_cascade(const Table& description, const PlantSpec& spec) {
+  const Table& gains = need(description, "pd_gains").as_table("pd_gains");
+  const auto gain = [&](std::string_view name) { return number_value(gains, name, anything).as_number(""); };
+  Cascade cascade{{6.0 * gain("kx"), 3.0 * gain("kdx"), 0, 0, 0, 0}, gain("th_max"), Eigen::MatrixXd(2, 6)};
+  const double lift = gain("M") / 2.0;
+  const double twist = gain("Iyy") / (2.0 * number_value(gains, "arm", positive).as_number(""));
+  const double up = 2.0 * gain("kz") * lift, up_rate = gain("kdz") * lift;
+  const double turn = gain("kth") * twist, turn_rate = gain("kq") * twist;
+  cascade.inner << 0, 0, up, up_rate, -turn, -turn_rate,  //
+      0, 0, up, up_rate, turn, turn_rate;
+  GUST_CHECK(spec.state.size() == 6 && spec.action.size() == 2);
+  return cascade;
 }
 
 /// The file's name without folders and ending.
@@ -189,12 +263,13 @@ Recording read_description(const NamedBytes& file) {
   recording.plant = make_plant(description);
   const PlantSpec& spec = recording.plant->spec();
   const std::size_t states = spec.state.size();
-  check_task(description, spec);
+  check_action_goal(description, spec);
   const Value* name = description.find("name");
   recording.name = name ? name->as_text("name") : stem(file.name);
   const Value& policy = need(description, "policy");
   recording.policy = need(policy.as_table("policy"), "type").as_text("type");
   if (recording.policy == "lqr") recording.gain = read_gain(description, spec);
+  if (recording.policy == "pd" && spec.cascade) recording.cascade = read_cascade(description, spec);
   recording.goal_tolerance = number_value(description, "goal_tolerance", non_negative).as_number("");
   recording.exponential_reward = need(description, "rew_exponential").as_bool("rew_exponential");
   recording.error_weights = list_value(description, "sq_err_weights", states).as_numbers("");

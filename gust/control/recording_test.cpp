@@ -56,8 +56,9 @@ TEST_CASE("line ends of other systems, a byte order mark, other columns and keys
 
 TEST_CASE("what is wrong in the JSON file is told with line and column") {
   CHECK(error_of_json("\"cartpole\"", "\"cartpol\"") ==
-        "log.json:3:11: unknown plant 'cartpol'; did you mean 'cartpole'?; known are cartpole");
-  CHECK(error_of_json("\"cartpole\"", "\"quad2d\"") == "log.json:3:11: unknown plant 'quad2d'; known are cartpole");
+        "log.json:3:11: unknown plant 'cartpol'; did you mean 'cartpole'?; known are cartpole, quadrotor, quad2d");
+  CHECK(error_of_json("\"cartpole\"", "\"unicycle\"") ==
+        "log.json:3:11: unknown plant 'unicycle'; known are cartpole, quadrotor, quad2d");
   CHECK(error_of_json("\"ctrl_freq\"", "\"ctrl_frq\"") ==
         "log.json:1:1: 'ctrl_freq' is missing; is it the one called 'ctrl_frq'? (gust validate --help)");
   CHECK(error_of_json("\"pyb_freq\": 50", "\"pyb_freq\": 75") ==

@@ -36,7 +36,7 @@ Matrix<double> difference(const Matrix<double>& a, const Matrix<double>& b) {
 }
 
 EpisodeStart start_at(const Recording& recording, std::size_t record) {
-  EpisodeStart start{{}, nominal_parameters(recording.plant->spec()), {}, {}};
+  EpisodeStart start{{}, nominal_parameters(recording.plant->spec()), {}, {}, static_cast<std::int64_t>(record)};
   for (std::size_t i = 0; i < recording.state.rows(); ++i) start.state.push_back(recording.state.at(i, record));
   return start;
 }
@@ -50,7 +50,7 @@ void check_plant(const Recording& recording, const Stretch& at, Validation& resu
   for (std::size_t lane = 0; lane < at.lanes; ++lane) {
     for (std::size_t i = 0; i < states; ++i) state.at(i, lane) = recording.state.at(i, at.first + lane);
     for (std::size_t i = 0; i < parameters.rows(); ++i) parameters.at(i, lane) = plant.spec().parameters[i].nominal;
-    plant.begin(state.view(), lane);
+    plant.begin(state.view(), lane, at.first + lane > 0);
   }
   const Matrix<double> action = cut(recording.applied, at.first + 1, at.lanes);
   const Matrix<double> force = cut(recording.force, at.first + 1, at.lanes);
@@ -110,6 +110,12 @@ void judge_lane(const Recording& recording, const ClosedLoop& loop, std::size_t 
 void check_order(const Recording& recording, const Stretch& at, Validation& result) {
   ClosedLoop loop(*recording.plant, kRecordedReadings, {}, at.lanes);
   for (std::size_t lane = 0; lane < at.lanes; ++lane) loop.begin(lane, start_at(recording, at.first + lane));
+  for (std::size_t i = recording.state.rows(); i < recording.observation.rows(); ++i) {
+    for (std::size_t lane = 0; lane < at.lanes; ++lane) {
+      const std::size_t record = at.first + lane;
+      result.reference.take(loop.observation().at(i, lane) - recording.observation.at(i, record), record);
+    }
+  }
   const Matrix<double> command = cut(recording.command, at.first + 1, at.lanes);
   const Matrix<double> push = cut(recording.force, at.first + 1, at.lanes);
   const Matrix<double> nudge =
@@ -123,23 +129,37 @@ void check_order(const Recording& recording, const Stretch& at, Validation& resu
 /// The recorded controller on the model's own state, with the recorded noise.
 void check_loop(const Recording& recording, Validation& result) {
   const Plant& plant = *recording.plant;
-  const std::unique_ptr<Policy> policy = feedback_policy(plant, recording.gain);
+  const std::unique_ptr<Policy> policy = recording.controller();
   ClosedLoop loop(plant, kRecordedReadings, {}, 1);
   loop.begin(0, start_at(recording, 0));
-  const Matrix<double> noise = difference(recording.observation, recording.state);
+  const std::size_t states = recording.state.rows();
   const Matrix<double> action_noise = difference(recording.disturbed, recording.physical);
-  Matrix<double> seen(recording.state.rows(), 1);
+  Matrix<double> seen(recording.observation.rows(), 1);
   Matrix<double> command(recording.command.rows(), 1);
-  for (std::size_t k = 0; k < recording.steps(); ++k) {
-    for (std::size_t i = 0; i < seen.rows(); ++i) seen.at(i, 0) = loop.state().at(i, 0) + noise.at(i, k);
-    policy->act(seen.view(), command.view());
+  for (std::size_t k = 0; k < result.judged; ++k) {
+    for (std::size_t i = 0; i < states; ++i) {
+      const double noise = recording.observation.at(i, k) - recording.state.at(i, k);
+      seen.at(i, 0) = loop.state().at(i, 0) + noise;
+    }
+    for (std::size_t i = states; i < seen.rows(); ++i) seen.at(i, 0) = loop.observation().at(i, 0);
+    policy->act(seen.view(), loop.steps_done(), command.view());
     const Matrix<double> push = cut(recording.force, k + 1, 1);
     const Matrix<double> nudge = cut(action_noise, k + 1, 1);
     loop.step(command.view(), push.view(), nudge.view());
-    for (std::size_t i = 0; i < seen.rows(); ++i) {
+    for (std::size_t i = 0; i < states; ++i) {
       result.closed_loop[i].take(loop.state().at(i, 0) - recording.state.at(i, k + 1), k + 1);
     }
   }
+}
+
+/// Steps before the first record in which the ground may touch the plant.
+std::size_t steps_off_ground(const Recording& recording) {
+  std::vector<double> state(recording.state.rows());
+  for (std::size_t record = 1; record <= recording.steps(); ++record) {
+    for (std::size_t i = 0; i < state.size(); ++i) state[i] = recording.state.at(i, record);
+    if (recording.plant->near_ground(state)) return record - 1;
+  }
+  return recording.steps();
 }
 
 /// The largest error of a list, as a sentence, if it is beyond a tolerance.
@@ -161,7 +181,8 @@ std::string fault_of(const Validation& result, const PlantSpec& spec, const Tole
                : fmt::format("{} is off by {:.2g} at k = {}", what, worst.error, worst.record);
   };
   for (std::string fault :
-       {beyond("a_applied", result.applied), beyond("reward", result.reward), beyond("sq_err", result.squared_error)}) {
+       {beyond("a_applied", result.applied), beyond("reward", result.reward), beyond("sq_err", result.squared_error),
+        beyond("the reference in the observation", result.reference)}) {
     if (!fault.empty()) return fault;
   }
   if (result.flags_differ > 0) {
@@ -184,12 +205,13 @@ Validation validate(const Recording& recording, const Tolerances& tolerances) {
   const PlantSpec& spec = recording.plant->spec();
   Validation result;
   result.one_step.resize(spec.state.size());
-  for (std::size_t first = 0; first < recording.steps(); first += kLanes) {
-    const Stretch at{first, std::min(kLanes, recording.steps() - first)};
+  result.judged = steps_off_ground(recording);
+  for (std::size_t first = 0; first < result.judged; first += kLanes) {
+    const Stretch at{first, std::min(kLanes, result.judged - first)};
     check_plant(recording, at, result);
     check_order(recording, at, result);
   }
-  if (recording.gain.size() > 0) {
+  if (recording.controller()) {
     result.closed_loop.resize(spec.state.size());
     check_loop(recording, result);
   }

@@ -27,6 +27,8 @@ struct Validation {
   WorstError squared_error;      ///< relative where it is above 1
   std::size_t flags_differ = 0;  ///< records with another out_of_bounds, done or timelimit
   std::size_t first_flag = 0;    ///< the first of them
+  WorstError reference;          ///< of the references in the observation
+  std::size_t judged = 0;        ///< steps that were compared: all, or those before the ground may have been touched
   std::string fault;             ///< the first thing that is beyond its tolerance, as a sentence; empty if passed
 
   bool passed() const { return fault.empty(); }
@@ -34,8 +36,9 @@ struct Validation {
 
 /// Runs the model against the recording. One step: from every recorded state with the recorded applied action and
 /// force, and once more through the closed loop's own order of disturbance, saturation, reward and failure. Closed
-/// loop, where the recorded controller is a state feedback: that controller on the model's own state with the recorded
-/// noise of observations and actions and the recorded forces.
+/// loop, where the recorded controller can be run again: that controller on the model's own state with the recorded
+/// noise of observations and actions and the recorded forces. Contact with the ground is not modelled exactly: the
+/// comparison ends before it.
 Validation validate(const Recording& recording, const Tolerances& tolerances);
 
 }  // namespace gust

@@ -37,6 +37,10 @@ struct Dual {
   friend bool operator>=(const Dual& a, const Dual& b) { return a.value >= b.value; }
 
   friend Dual select(bool condition, const Dual& yes, const Dual& no) { return condition ? yes : no; }
+  friend Dual root(const Dual& x) {
+    const double value = gust::root(x.value);
+    return combine(value, x, value > 0.0 ? 0.5 / value : 0.0, x, 0.0);
+  }
   friend SinCos<Dual> sin_cos(const Dual& x) {
     const SinCos<double> at = gust::sin_cos(x.value);
     return {combine(at.sin, x, at.cos, x, 0.0), combine(at.cos, x, -at.sin, x, 0.0)};

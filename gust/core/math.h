@@ -18,6 +18,8 @@ struct SinCos {
   T cos;
 };
 
+inline constexpr double kPi = 0x1.921fb54442d18p+1;
+
 namespace detail {
 
 template <class T>
@@ -143,6 +145,8 @@ template <class T>
 T absolute(T x) {
   return select(x < 0.0, -x, x);
 }
+inline double root(double x) { return __builtin_sqrt(x); }
+inline Pack root(Pack x) { return __builtin_ia32_sqrtpd256(x); }
 template <class T>
 T clip(T x, T low, T high) {
   return select(x < low, low, select(x > high, high, x));

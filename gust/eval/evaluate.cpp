@@ -53,7 +53,7 @@ std::vector<Episode> run_batch(const Evaluation& evaluation, Policy& policy, Sig
     loop.begin(lane, start_of(evaluation, indices[lane], signals));
   }
   for (std::int64_t k = 0; k < spec.steps; ++k) {
-    policy.act(loop.observation(), action.view());
+    policy.act(loop.observation(), loop.steps_done(), action.view());
     loop.step(action.view());
     meter.record(loop);
   }
@@ -124,7 +124,7 @@ Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeI
   keep(trace.state, loop.state(), 0);
   keep(trace.observation, loop.observation(), 0);
   for (std::size_t k = 0; k < steps; ++k) {
-    policy.act(loop.observation(), action.view());
+    policy.act(loop.observation(), loop.steps_done(), action.view());
     loop.step(action.view());
     keep(trace.state, loop.state(), k + 1);
     keep(trace.observation, loop.observation(), k + 1);

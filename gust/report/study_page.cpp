@@ -15,6 +15,8 @@ std::string kind_text(const StudyPolicy& policy) {
   switch (policy.kind) {
     case StudyPolicy::Kind::kLqr:
       return "lqr";
+    case StudyPolicy::Kind::kPd:
+      return "pd";
     case StudyPolicy::Kind::kZero:
       return "zero";
     case StudyPolicy::Kind::kOnnx:

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,21 +19,42 @@ struct Component {
   std::string unit;
 };
 
+/// The values from low to high.
+struct Limits {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+};
+
 /// A physical quantity of the plant that a study may set, scale or randomise.
 struct Parameter {
   std::string name;
   std::string unit;
   double nominal = 0;
+  // Where the plant can be held at its goal at all, the other parameters being nominal.
+  Limits by_actuator = {};  ///< with all that the actuator gives
+  Limits by_box = {};       ///< with commands that are clipped to the policy's action box
+};
+
+/// A cascade of two proportional-derivative loops: the outer one asks for an attitude, the inner one brings it about.
+/// With e = reference - state, the attitude's reference is clip(outer . e, -limit, limit), and then
+/// action = action_goal + inner e.
+struct Cascade {
+  std::vector<double> outer;  ///< per state component
+  double limit = 0;           ///< rad
+  Eigen::MatrixXd inner;      ///< actions x states, physical
 };
 
 /// Everything about a plant and its task that is data: what is measured, pushed, charged and forbidden. SI units.
 struct PlantSpec {
   std::vector<Component> state;   ///< also what is observed
   std::size_t horizon = 0;        ///< reference states that follow the state in the observation
+  std::size_t references = 1;     ///< states of the reference, one a control step from the reset on; 1: a goal to hold
+  std::size_t reference_lag = 0;  ///< the state after n steps is compared with reference n - lag
   std::vector<Component> action;  ///< physical inputs
   std::vector<Component> force;   ///< the dynamics site
   std::vector<Parameter> parameters;
-  std::size_t hidden = 0;  ///< rows of integrator memory that follow the state
+  std::size_t hidden = 0;              ///< rows of integrator memory that follow the state
+  std::optional<std::size_t> contact;  ///< the hidden row that is 1 once the plant has touched the ground
 
   double control_rate = 0;  ///< Hz
   double physics_rate = 0;  ///< Hz, a multiple of control_rate
@@ -43,17 +66,19 @@ struct PlantSpec {
   std::vector<double> action_low;  ///< physical bounds of the actuator
   std::vector<double> action_high;
 
-  std::vector<double> start;        ///< nominal initial state
-  std::vector<double> start_range;  ///< training starts at start + U(±start_range)
-  std::vector<double> fail_low;     ///< the episode fails outside [fail_low, fail_high]
+  std::vector<double> start;         ///< nominal initial state
+  std::vector<double> start_offset;  ///< training starts at start + start_offset + U(±start_range)
+  std::vector<double> start_range;
+  std::vector<double> fail_low;  ///< the episode fails outside [fail_low, fail_high]
   std::vector<double> fail_high;
   std::vector<bool> wraps;  ///< the error of this component is taken modulo a turn in the reward
 
   std::vector<double> state_weights;  ///< of the reward exp(-J), J = sum w e^2 + w_u sum (u - u_goal)^2
   double action_weight = 0;           ///< per squared physical unit of the action
-  std::vector<double> action_goal;
+  std::vector<double> action_goal;    ///< what holds the goal; physical
   std::vector<double> error_weights;  ///< components that count in rmse_scg
   std::size_t angle = 0;              ///< the state component that is the attitude
+  std::optional<Cascade> cascade;     ///< of a controller that is known to work, if one is
 
   /// Numbers that a policy sees: the state, then `horizon` references.
   std::size_t observations() const { return state.size() * (1 + horizon); }
@@ -85,11 +110,15 @@ class Plant {
   /// run: rows must be padded as Matrix pads them. The bits of a lane do not depend on the other lanes.
   virtual void advance(const Motion& motion) const noexcept = 0;
 
-  /// Writes the goal state that the reward compares the state with.
-  virtual void goal(std::span<double> goal) const noexcept = 0;
+  /// Writes state `sample` of the reference, of those that there are.
+  virtual void reference(std::size_t sample, std::span<double> state) const noexcept = 0;
 
-  /// Sets the hidden rows of one lane from its visible state at the start of an episode.
-  virtual void begin(Rows<double> state, std::size_t lane) const noexcept = 0;
+  /// Sets the hidden rows of one lane from its visible state: at rest before the start of an episode, or as if it had
+  /// come by itself to where it is.
+  virtual void begin(Rows<double> state, std::size_t lane, bool moving) const noexcept = 0;
+
+  /// Whether the ground may touch the plant in this state: what follows is an approximation of a contact.
+  virtual bool near_ground(std::span<const double> state) const noexcept = 0;
 
   /// The exact derivative of one control step (dual numbers), at a state and a physical action, nominal parameters.
   virtual Linearisation linearise(std::span<const double> state, std::span<const double> action) const = 0;

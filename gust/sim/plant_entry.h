@@ -10,8 +10,10 @@
 
 namespace gust {
 
-/// The plant of a law: `Options` gives the spec, the goal and `template <class T> Law`, the equations written once.
-/// Law<T>(options, parameters) prepares what a control step shares; substep(state, action, force, dt) moves by dt.
+/// The plant of a law: `Options` gives the spec, the reference and `template <class T> Law`, the equations written
+/// once. Law<T>(options, parameters) prepares what a control step shares; start(state) begins one; substep(state,
+/// action, force, dt) moves by dt. The state is kStates visible components, then kHidden rows of memory, which
+/// remember(state, moving) sets.
 template <class Options>
 class LawPlant final : public Plant {
  public:
@@ -24,22 +26,31 @@ class LawPlant final : public Plant {
     for (std::size_t lane = 0; lane < motion.state.lanes; lane += kTogether * kPackLanes) advance_packs(motion, lane);
   }
 
-  void goal(std::span<double> to) const noexcept override { options_.write_goal(to); }
+  void reference(std::size_t sample, std::span<double> to) const noexcept override { options_.reference(sample, to); }
 
-  void begin(Rows<double> state, std::size_t lane) const noexcept override { options_.begin(state, lane); }
+  void begin(Rows<double> state, std::size_t lane, bool moving) const noexcept override {
+    std::array<double, kRows> x;
+    for (int i = 0; i < Options::kStates; ++i) x[i] = state.at(i, lane);
+    options_.remember(x.data(), moving);
+    for (int i = Options::kStates; i < kRows; ++i) state.at(i, lane) = x[i];
+  }
+
+  bool near_ground(std::span<const double> state) const noexcept override { return options_.near_ground(state); }
 
   Linearisation linearise(std::span<const double> state, std::span<const double> action) const override {
     constexpr int kInputs = Options::kStates + Options::kActions;
     using D = Dual<kInputs>;
-    std::array<D, Options::kStates> x;
+    std::array<D, kRows> x;
     std::array<D, Options::kActions> u;
     std::array<D, Options::kForces> force;
     std::array<D, Options::kParameters> parameters;
     for (int i = 0; i < Options::kStates; ++i) x[i] = D::input(state[i], i);
+    options_.remember(x.data(), true);
     for (int i = 0; i < Options::kActions; ++i) u[i] = D::input(action[i], Options::kStates + i);
     for (int i = 0; i < Options::kParameters; ++i) parameters[i] = D(spec_.parameters[i].nominal);
 
     const typename Options::template Law<D> law(options_, parameters.data());
+    law.start(x.data());
     for (long n = 0; n < substeps_; ++n) law.substep(x.data(), u.data(), force.data(), 1.0 / spec_.physics_rate);
 
     Linearisation result{Eigen::MatrixXd(Options::kStates, Options::kStates),
@@ -52,10 +63,11 @@ class LawPlant final : public Plant {
   }
 
  private:
+  static constexpr int kRows = Options::kStates + Options::kHidden;
   static constexpr std::size_t kTogether = 4;  // packs whose chains of dependent operations overlap; see bench/cartpole
 
   struct Lanes {
-    std::array<Pack, Options::kStates> state;
+    std::array<Pack, kRows> state;
     std::array<Pack, Options::kActions> action;
     std::array<Pack, Options::kForces> force;
     std::optional<typename Options::template Law<Pack>> law;
@@ -64,13 +76,14 @@ class LawPlant final : public Plant {
       std::array<Pack, Options::kParameters> parameters;
       for (int i = 0; i < Options::kParameters; ++i) parameters[i] = gust::load(&motion.parameters.at(i, lane));
       law.emplace(options, parameters.data());
-      for (int i = 0; i < Options::kStates; ++i) state[i] = gust::load(&motion.state.at(i, lane));
+      for (int i = 0; i < kRows; ++i) state[i] = gust::load(&motion.state.at(i, lane));
       for (int i = 0; i < Options::kActions; ++i) action[i] = gust::load(&motion.action.at(i, lane));
       for (int i = 0; i < Options::kForces; ++i) force[i] = gust::load(&motion.force.at(i, lane));
+      law->start(state.data());
     }
     void substep(double dt) { law->substep(state.data(), action.data(), force.data(), dt); }
     void store(const Motion& motion, std::size_t lane) const {
-      for (int i = 0; i < Options::kStates; ++i) gust::store(&motion.state.at(i, lane), state[i]);
+      for (int i = 0; i < kRows; ++i) gust::store(&motion.state.at(i, lane), state[i]);
     }
   };
 

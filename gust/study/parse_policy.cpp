@@ -11,7 +11,7 @@ constexpr std::int64_t kMostSeeds = 10'000;
 
 Kind kind_from(const Table& table) {
   const std::string& name = required_text(table, "kind", "a policy");
-  const std::vector<std::string> names = {"lqr", "zero", "onnx", "train"};
+  const std::vector<std::string> names = {"lqr", "pd", "zero", "onnx", "train"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == name) return static_cast<Kind>(i);
   }
@@ -94,6 +94,12 @@ StudyPolicy parse_policy(const Table& table, const Study& study, const FindFiles
   switch (policy.kind) {
     case Kind::kLqr:
       parse_lqr(table, study, policy);
+      break;
+    case Kind::kPd:
+      check_keys(table, {"name", "kind"}, "a pd policy");
+      if (!study.setup.plant->spec().cascade) {
+        throw error_at(table.place, "the plant ", study.setup.plant.kind, " has no policy 'pd'; try lqr or zero");
+      }
       break;
     case Kind::kZero:
       check_keys(table, {"name", "kind"}, "a zero policy");

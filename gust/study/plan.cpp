@@ -53,6 +53,8 @@ std::string policy_text(const Study& study, const Trial& trial, const Plan& plan
   switch (policy.kind) {
     case StudyPolicy::Kind::kLqr:
       return cat("policy lqr q ", canonical_text(policy.weights.q), " r ", canonical_text(policy.weights.r), "\n");
+    case StudyPolicy::Kind::kPd:
+      return "policy pd\n";
     case StudyPolicy::Kind::kZero:
       return "policy zero\n";
     case StudyPolicy::Kind::kOnnx:

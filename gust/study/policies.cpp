@@ -1,5 +1,6 @@
 #include "gust/study/policies.h"
 
+#include "gust/control/cascade.h"
 #include "gust/control/lqr.h"
 #include "gust/core/text.h"
 
@@ -42,13 +43,14 @@ void check_metadata(const OnnxModel& model, std::string_view name, const Setup& 
 std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place) {
   const PlantSpec& spec = setup.plant->spec();
   if (kind == "zero") return zero_policy(spec.observations(), spec.action.size());
-  if (kind == "lqr") return feedback_policy(*setup.plant, lqr_gain(*setup.plant, reward_weights(spec)));
+  if (kind == "lqr") return lqr_policy(*setup.plant, reward_weights(spec));
+  if (kind == "pd" && spec.cascade) return cascade_policy(*setup.plant, *spec.cascade);
   if (kind == "pd") {
     throw error_at(place, "the plant ", setup.plant.kind, " has no policy 'pd'; try lqr or zero");
   }
   const std::vector<std::string> names = {"lqr", "zero", "pd"};
-  throw error_at(place, "unknown policy '", kind, "'", did_you_mean(kind, names), "; policies are lqr, zero, or a file",
-                 " that ends in .onnx");
+  throw error_at(place, "unknown policy '", kind, "'", did_you_mean(kind, names),
+                 "; policies are lqr, pd, zero, or a file", " that ends in .onnx");
 }
 
 std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,

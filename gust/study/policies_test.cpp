@@ -12,6 +12,8 @@
 namespace gust {
 namespace {
 
+const std::vector<std::int64_t> kFirst(200, 0);  // every lane before its first step
+
 Setup cartpole() {
   Table plant;
   plant.set("kind", {std::string("cartpole"), {}});
@@ -42,7 +44,7 @@ TEST_CASE("an ONNX policy sees the observation in float32 and leaves its action 
   observation.at(3, 2) = std::numeric_limits<double>::quiet_NaN();
   Matrix<double> action(1, 3);
 
-  policy->act(observation.view(), action.view());
+  policy->act(observation.view(), kFirst, action.view());
 
   CHECK(action.at(0, 0) == 200.0);
   CHECK(action.at(0, 1) == 2.0 * static_cast<double>(0.1f));
@@ -71,13 +73,13 @@ TEST_CASE("an ONNX policy acts on a lane as if it were alone, in float and in do
   for (const Arithmetic arithmetic : {Arithmetic::kFloat, Arithmetic::kDouble}) {
     const auto policy = onnx_policy(random_policy_file(), "p.onnx", cartpole(), arithmetic);
     Matrix<double> together(1, kLanes);
-    policy->act(observation.view(), together.view());
+    policy->act(observation.view(), kFirst, together.view());
 
     bool equal = true;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       Matrix<double> one(4, 1), action(1, 1);
       for (std::size_t i = 0; i < 4; ++i) one.at(i, 0) = observation.at(i, lane);
-      policy->act(one.view(), action.view());
+      policy->act(one.view(), kFirst, action.view());
       equal = equal && action.at(0, 0) == together.at(0, lane);
     }
 
@@ -90,8 +92,9 @@ TEST_CASE("an ONNX policy in float differs from that in double by float's roundi
   const Matrix<double> observation = random_observations(kLanes);
   Matrix<double> single(1, kLanes), wide(1, kLanes);
 
-  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kFloat)->act(observation.view(), single.view());
-  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kDouble)->act(observation.view(), wide.view());
+  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kFloat)
+      ->act(observation.view(), kFirst, single.view());
+  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kDouble)->act(observation.view(), kFirst, wide.view());
 
   double worst = 0;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {

@@ -13,7 +13,7 @@ namespace gust {
 
 /// A policy of a study: a regulator, nothing at all, files, or trainings with one policy a seed.
 struct StudyPolicy {
-  enum class Kind { kLqr, kZero, kOnnx, kTrain };
+  enum class Kind { kLqr, kPd, kZero, kOnnx, kTrain };
   struct File {
     std::string path;  ///< as the study's pattern found it
     std::string bytes;

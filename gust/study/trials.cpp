@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "gust/control/cascade.h"
 #include "gust/core/version.h"
 #include "gust/nn/onnx.h"
 #include "gust/study/checkpoint.h"
@@ -236,7 +237,9 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
   const StudyPolicy& policy = study.policies[trial.policy];
   switch (policy.kind) {
     case StudyPolicy::Kind::kLqr:
-      return feedback_policy(*study.setup.plant, lqr_gain(*study.setup.plant, policy.weights));
+      return lqr_policy(*study.setup.plant, policy.weights);
+    case StudyPolicy::Kind::kPd:
+      return cascade_policy(*study.setup.plant, *study.setup.plant->spec().cascade);
     case StudyPolicy::Kind::kZero:
       return zero_policy(study.setup.plant->spec().observations(), study.setup.plant->spec().action.size());
     case StudyPolicy::Kind::kOnnx:

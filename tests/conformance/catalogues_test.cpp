@@ -73,8 +73,8 @@ TEST_CASE("every plant has a whole spec, keeps its lanes apart, and knows its ow
     const PlantSpec& spec = plant->spec();
     const std::size_t states = spec.state.size();
     const std::size_t actions = spec.action.size();
-    for (const auto* list :
-         {&spec.start, &spec.start_range, &spec.fail_low, &spec.fail_high, &spec.state_weights, &spec.error_weights}) {
+    for (const auto* list : {&spec.start, &spec.start_offset, &spec.start_range, &spec.fail_low, &spec.fail_high,
+                             &spec.state_weights, &spec.error_weights}) {
       CHECK(list->size() == states);
     }
     for (const auto* list :
@@ -83,7 +83,7 @@ TEST_CASE("every plant has a whole spec, keeps its lanes apart, and knows its ow
     }
 
     std::vector<double> goal(states);
-    plant->goal(goal);
+    plant->reference(0, goal);
     const Linearisation exact = plant->linearise(goal, spec.action_goal);
     constexpr double kStep = 1e-6;
     for (std::size_t input = 0; input < states + actions; ++input) {

@@ -63,6 +63,9 @@ std::string head_of(const PlantSpec& spec, std::size_t name_width) {
 
 std::string verdict_of(const Checked& checked) {
   if (!checked.result.passed()) return cat("FAIL: ", checked.result.fault);
+  if (checked.result.judged < checked.recording.steps()) {
+    return cat("pass (up to the ground, k = ", checked.result.judged, " of ", checked.recording.steps(), ")");
+  }
   if (!checked.result.closed_loop.empty()) return "pass";
   return cat("pass (open loop, '", checked.recording.policy, "': one step only)");
 }
@@ -106,6 +109,7 @@ void print_json(const std::vector<Checked>& all) {
          {"plant", recording.plant.kind},
          {"policy", recording.policy},
          {"steps", recording.steps()},
+         {"judged", result.judged},
          {"one_step", states_json(result.one_step, spec)},
          {"closed_loop", states_json(result.closed_loop, spec)},
          {"applied", result.applied.error},

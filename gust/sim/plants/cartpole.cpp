@@ -17,6 +17,7 @@ namespace {
 /// Checked against tests/reference/traj (PyBullet).
 struct CartPole {
   static constexpr int kStates = 4;
+  static constexpr int kHidden = 0;
   static constexpr int kActions = 1;
   static constexpr int kForces = 2;
   static constexpr int kParameters = 3;
@@ -82,8 +83,10 @@ struct CartPole {
 
   PlantSpec spec() const;
 
-  void write_goal(std::span<double> to) const noexcept { std::copy(goal.begin(), goal.end(), to.begin()); }
-  void begin(Rows<double>, std::size_t) const noexcept {}
+  void reference(std::size_t, std::span<double> state) const noexcept { std::ranges::copy(goal, state.begin()); }
+  bool near_ground(std::span<const double>) const noexcept { return false; }
+  template <class T>
+  void remember(T*, bool) const noexcept {}
 
   template <class T>
   struct Law {
@@ -99,6 +102,8 @@ struct CartPole {
       weight = ml * options.gravity;
       lever = l * (options.tap_point.front() == 't' ? 2.0 : 1.0);  // tip or com; a whole comparison would cost a step
     }
+
+    void start(T*) const {}
 
     [[gnu::always_inline]] inline void substep(T* state, const T* action, const T* force, double dt) const {
       const T x = state[0];
@@ -147,6 +152,7 @@ PlantSpec CartPole::spec() const {
   spec.action_low = {-force_limit};
   spec.action_high = {force_limit};
   spec.start = start;
+  spec.start_offset = {0, 0, 0, 0};
   spec.start_range = start_range;
   spec.fail_low = {-x_limit, -kNever, -theta_limit, -kNever};
   spec.fail_high = {x_limit, kNever, theta_limit, kNever};

@@ -1,0 +1,22 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct GroundContact {
+  static constexpr bool kHigherIsBetter = false;
+  static constexpr std::string_view kUnit = "";
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return episode.touched_ground ? 1.0 : 0.0; }
+};
+
+}  // namespace
+
+Entry<Metric> metric_ground_contact() {
+  return metric_entry<GroundContact>(
+      "ground_contact", "1 if the plant touched the ground, after which its motion is an approximation, else 0.",
+      "gust (spec: tasks 2.2)");
+}
+
+}  // namespace gust
