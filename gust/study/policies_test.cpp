@@ -24,7 +24,7 @@ Setup cartpole() {
 std::string policy_file(std::size_t inputs, const OnnxMetadata& metadata = {}, std::size_t outputs = 1) {
   Mlp<float> mlp(MlpShape{.sizes = {inputs, outputs}});
   for (std::size_t i = 0; i < inputs; ++i) mlp.weight(0, 0, i) = 2.0f;
-  return write_onnx(mlp, metadata);
+  return write_onnx({mlp}, metadata);
 }
 
 std::string error_of(const std::string& bytes) {
@@ -56,7 +56,7 @@ std::string random_policy_file() {
   Mlp<float> mlp(MlpShape{.sizes = {4, 64, 64, 1}});
   const Rng rng(1);
   for (std::size_t i = 0; i < mlp.parameters().size(); ++i) mlp.parameters()[i] = static_cast<float>(rng.normal(i));
-  return write_onnx(mlp, {});
+  return write_onnx({mlp}, {});
 }
 
 Matrix<double> random_observations(std::size_t lanes) {
@@ -127,10 +127,11 @@ TEST_CASE("policies without a file are known by their names") {
   CHECK(make_policy("zero", setup)->actions() == 1);
   CHECK(make_policy("lqr", setup)->observations() == 4);
   CHECK_THROWS_WITH_AS(make_policy("pd", setup), "gust: the plant cartpole has no policy 'pd'; try lqr or zero", Error);
-  CHECK_THROWS_WITH_AS(make_policy("lqrr", setup),
-                       "gust: unknown policy 'lqrr'; did you mean 'lqr'?; policies are lqr, zero, or a file that ends "
-                       "in .onnx",
-                       Error);
+  CHECK_THROWS_WITH_AS(
+      make_policy("lqrr", setup),
+      "gust: unknown policy 'lqrr'; did you mean 'lqr'?; policies are lqr, pd, zero, or a file that ends "
+      "in .onnx",
+      Error);
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST_CASE("the tap point among the readings is the plant's, however it was said"
 }
 
 TEST_CASE("mistakes in a setup are told with their place and the nearest name") {
-  CHECK(error_of("plant = { preset = \"scg-2022\" }\n") == "s.toml:1:9: a plant needs a 'kind': cartpole");
+  CHECK(error_of("plant = { preset = \"scg-2022\" }\n") == "s.toml:1:9: a plant needs a 'kind': cartpole, quadrotor");
   CHECK(error_of("plant = { kind = \"cartpol\" }\n") ==
         "s.toml:1:18: unknown plant 'cartpol'; did you mean 'cartpole'? (gust list plants)");
   CHECK(error_of("plant = { kind = \"cartpole\", preset = \"scg-2202\" }\n") ==
