@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "gust/core/math.h"
+
+namespace gust {
+
+/// What a critic of WCPG says of a return: N(mean, deviation^2) (algorithms 4.1).
+struct ReturnLaw {
+  double mean = 0;
+  double deviation = 0;
+
+  double variance() const { return deviation * deviation; }
+  /// The mean of the worst returns, c being the coefficient of their share (cvar.h).
+  double cvar(double coefficient) const { return mean - coefficient * deviation; }
+};
+
+inline constexpr double kLeastDeviation = 1e-4;
+
+/// ln(1 + e^x), without overflow.
+inline double softplus(double x) { return (x > 0.0 ? x : 0.0) + log(1.0 + exp(x > 0.0 ? -x : x)); }
+/// Its slope.
+inline double sigmoid(double x) {
+  const double small = exp(x > 0.0 ? -x : x);
+  return (x > 0.0 ? 1.0 : small) / (1.0 + small);
+}
+
+/// The law that a critic's two outputs (Q, x) stand for: mean Q, deviation softplus(x) + 1e-4.
+template <class T>
+ReturnLaw return_law(const T* outputs) {
+  return {static_cast<double>(outputs[0]), softplus(static_cast<double>(outputs[1])) + kLeastDeviation};
+}
+
+/// How a critic's variance learns (algorithms 4.3).
+struct ReturnLossOptions {
+  double discount = 0.99;
+  bool second_moment = true;  ///< variance target from the second moment (published), else from the squared TD error
+  bool wasserstein = true;    ///< loss of the deviation (published, biased), else half the squared variance error
+  bool entropy_in_variance = true;  ///< whether the variance is that of the soft return
+};
+
+/// A transition as a critic sees it, with the law of what follows.
+struct ReturnSample {
+  double reward = 0;
+  double follows = 1;       ///< m: 0 if the episode was terminated, else 1
+  double entropy_cost = 0;  ///< T log pi(a'|s')
+  ReturnLaw next;           ///< of the target critic with the smaller CVaR
+};
+
+/// What a critic of mean Q shall say. The variance target may be negative where the mean is not exact.
+///
+///   X = r + discount m (Q' - T log pi')                         the mean
+///   (X - Q)(X + Q) + discount^2 m V'                            the variance, by the second moment
+///   (X - Q)^2 + discount^2 m V'                                 the variance, by the squared TD error
+struct ReturnTarget {
+  double mean = 0;
+  double variance = 0;
+};
+ReturnTarget return_target(const ReturnLossOptions& options, const ReturnSample& sample, double mean);
+
+/// (Q - y)^2 + (s - sqrt(max(yV, 1e-8)))^2, the squared 2-Wasserstein distance, or (Q - y)^2 + (V - yV)^2 / 2.
+double return_loss(const ReturnLossOptions& options, const ReturnLaw& law, const ReturnTarget& target);
+
+/// The mean loss of a batch of critic outputs (lanes x 2); writes its gradient at the outputs.
+template <class T>
+double return_loss(const ReturnLossOptions& options, std::span<const T> outputs, std::span<const ReturnSample> samples,
+                   std::span<T> gradient);
+
+/// Writes at the outputs the gradient of `slope` times the CVaR that they stand for.
+template <class T>
+void cvar_gradient(const T* outputs, double coefficient, double slope, T* gradient) {
+  gradient[0] = static_cast<T>(slope);
+  gradient[1] = static_cast<T>(-slope * coefficient * sigmoid(static_cast<double>(outputs[1])));
+}
+
+}  // namespace gust
