@@ -17,14 +17,20 @@ function group(title, traces, rate, step = false) {
   return {title, rows, domain, step, lines: traces.map((trace) => ({name: trace.name, colour: trace.colour, dash: trace.dash ?? []}))};
 }
 
+/** What a moving reference asks of a state. */
+function referenceOf(episode, state) {
+  const asked = episode.reference.find((trace) => trace.name === state.name);
+  return asked ? [{...asked, name: `${state.name} reference`, colour: '--ink-3', dash: [2, 3]}] : [];
+}
+
 /** The views of an episode; rates of change only when asked for. */
 function episodeGroups(episode, rates) {
   const rate = episode.rate;
   const groups = episode.states.filter((trace) => rates || !isRate(trace.name)).map((trace) =>
-    group(axisTitle(trace.name, trace.unit), [{...trace, colour: '--ink'}], rate));
+    group(axisTitle(trace.name, trace.unit), [...referenceOf(episode, trace), {...trace, colour: '--ink'}], rate));
   const actions = episode.applied.flatMap((trace, i) => [
-    ...(episode.commanded[i] ? [{...episode.commanded[i], name: `${trace.name} commanded`, colour: '--commanded', dash: [4, 2]}] : []),
-    {...trace, name: `${trace.name} applied`, colour: '--applied'},
+    ...(episode.commanded[i] ? [{...episode.commanded[i], name: `${trace.name} commanded`, colour: '--commanded', dash: i === 0 ? [4, 2] : [1, 2]}] : []),
+    {...trace, name: `${trace.name} applied`, colour: '--applied', dash: i === 0 ? [] : [6, 2]},
   ]);
   if (actions.length > 0) groups.push(group(axisTitle('action', episode.applied[0].unit), actions, rate, true));
   for (const site of new Set(episode.disturbances.map((push) => push.site))) {

@@ -35,6 +35,7 @@ void check_episode(const Page& page, const Page::Episode& episode) {
   GUST_CHECK(episode.rate > 0);
   const std::size_t steps = episode.reward.size();
   check_traces(episode.states, steps + 1);
+  check_traces(episode.reference, steps + 1);
   check_traces(episode.commanded, steps);
   check_traces(episode.applied, steps);
   for (const auto& push : episode.disturbances) GUST_CHECK(push.trace.values.size() == steps);

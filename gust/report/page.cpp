@@ -20,9 +20,9 @@ namespace {
 constexpr std::array kLibraries = {"vega.js", "vega-lite.js", "vega-embed.js"};
 
 /// In the order in which they run; they share one scope.
-constexpr std::array kScripts = {"data.js",   "theme.js",    "specs.js",  "tooltip.js",  "chart.js",
-                                 "export.js", "figure.js",   "curves.js", "learning.js", "heat.js",
-                                 "scene.js",  "cartpole.js", "plots.js",  "replay.js",   "main.js"};
+constexpr std::array kScripts = {"data.js",      "theme.js",  "specs.js",    "tooltip.js", "chart.js", "export.js",
+                                 "figure.js",    "curves.js", "learning.js", "heat.js",    "scene.js", "cartpole.js",
+                                 "quadrotor.js", "plots.js",  "replay.js",   "main.js"};
 
 constexpr std::size_t kColours = 8;  // --p0 … --p7 in page.css
 

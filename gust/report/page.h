@@ -159,16 +159,18 @@ struct Page {
     double level = kUnknown;
     std::size_t start = 0;
     std::string command;
-    std::string plant;                                     // "cartpole" is drawn; other plants have plots only
+    std::string plant;                                     // "cartpole" and "quadrotor" are drawn, others plotted
     std::vector<std::pair<std::string, double>> geometry;  // pole_length (half) [m], x_limit [m], action_limit [N]
     double rate = 50.0;                                    // control steps a second
     std::vector<Trace> states;                             // the true ones; cart-pole: x, x_dot, theta, theta_dot
+    std::vector<Trace> reference;                          // what a moving reference asked for; like states, or empty
     std::vector<Trace> commanded;                          // actions of the policy, physical units
     std::vector<Trace> applied;                            // after disturbance and saturation
     std::vector<Push> disturbances;
     std::vector<double> reward;
     std::size_t failed_step = kNone;  // index of the first state that is out of bounds
     std::string failure;              // "|x| > 2.4 m"
+    bool touched_ground = false;
   };
 
   std::string name;

@@ -94,6 +94,7 @@ std::string episode_json(const Page::Episode& episode, std::size_t number) {
   for (const auto& [name, value] : episode.geometry) json.key(name).number(value);
   json.close('}');
   write_traces(json, "states", episode.states);
+  write_traces(json, "reference", episode.reference);
   write_traces(json, "commanded", episode.commanded);
   write_traces(json, "applied", episode.applied);
   json.key("disturbances").open('[');
@@ -103,6 +104,7 @@ std::string episode_json(const Page::Episode& episode, std::size_t number) {
   }
   json.close(']').key("reward").numbers(episode.reward);
   if (episode.failed_step != Page::kNone) json.key("failed").index(episode.failed_step);
+  if (episode.touched_ground) json.key("ground").index(1);
   return json.key("failure").text(episode.failure).close('}').take();
 }
 

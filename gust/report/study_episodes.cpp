@@ -67,6 +67,27 @@ std::vector<std::pair<std::string, double>> geometry_of(const SweepCell& cell, c
   return geometry;
 }
 
+/// A moving reference, one state for each of the trace's.
+Matrix<double> reference_of(const Plant& plant, std::size_t states) {
+  const PlantSpec& spec = plant.spec();
+  Matrix<double> reference(spec.state.size(), states);
+  std::vector<double> at(spec.state.size());
+  for (std::size_t k = 0; k < states; ++k) {
+    plant.reference(std::min(k, spec.references - 1), at);
+    for (std::size_t i = 0; i < at.size(); ++i) reference.at(i, k) = at[i];
+  }
+  return reference;
+}
+
+bool touches_ground(const Plant& plant, const Trace& trace) {
+  std::vector<double> state(trace.state.rows());
+  for (std::size_t k = 1; k < trace.state.lanes(); ++k) {
+    for (std::size_t i = 0; i < state.size(); ++i) state[i] = trace.state.at(i, k);
+    if (plant.near_ground(state)) return true;
+  }
+  return false;
+}
+
 Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& trace, const TrialEvaluation& task) {
   const PlantSpec& spec = study.setup.plant->spec();
   const StudyPolicy& policy = study.policies[trial.policy];
@@ -77,6 +98,9 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   episode.geometry = geometry_of(task.evaluation.cells[trace.index.cell], spec);
   episode.rate = spec.control_rate;
   episode.states = traces_of(spec.state, trace.state);
+  if (spec.references > 1)
+    episode.reference = traces_of(spec.state, reference_of(*study.setup.plant, trace.state.lanes()));
+  episode.touched_ground = touches_ground(*study.setup.plant, trace);
   episode.commanded = traces_of(spec.action, trace.commanded);
   episode.applied = traces_of(spec.action, trace.applied);
   add_pushes(episode, Site::kObservation, spec.state, seen_beyond(trace));
