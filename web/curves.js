@@ -47,6 +47,16 @@ function marginRows(index, metric) {
     .map((m) => ({policy: data.policies[m.p].name, level: m.v}));
 }
 
+/** The parts of a parameter's axis where no policy can hold the plant. */
+function impossibleRows(sweep) {
+  const [low, high] = levelDomain(sweep);
+  const [from, to] = sweep.possible.map(finite);
+  return [
+    ...(from !== null && from > low ? [{from: low, to: Math.min(from, high)}] : []),
+    ...(to !== null && to < high ? [{from: Math.max(to, low), to: high}] : []),
+  ];
+}
+
 /** The panel of a sweep for curvePanel; options: {metric, strip, title}. */
 function panelOf(index, {metric, strip, title}) {
   const sweep = data.sweeps[index];
@@ -54,7 +64,7 @@ function panelOf(index, {metric, strip, title}) {
   const domain = metricDomain(metric) ?? padded(extent(rows.flatMap((row) => [row.value, row.low, row.high])) ?? [0, 1]);
   return {
     rows, strip: strip ? stripRows(index) : [], margins: sweep.site ? marginRows(index, metric) : [],
-    nominal: sweep.site ? null : sweep.nominal, policies: visiblePolicies(),
+    nominal: sweep.site ? null : sweep.nominal, impossible: impossibleRows(sweep), policies: visiblePolicies(),
     x: {title: axisTitle(sweep.site ? `${sweep.site} level` : sweep.waveform, sweep.unit), domain: levelDomain(sweep), log: isLog(sweep)},
     y: {title: null, domain}, title: title ? sweepTitle(sweep) : null, markers: sweep.levels.length <= mostMarkers,
     shade: metric === data.survival ? 0.09 : 0.16,  // Wilson's intervals of few episodes are wide and overlap

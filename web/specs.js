@@ -21,7 +21,7 @@ function yAxis(height) {
 
 /**
  * Lines with bands over one axis; margins as triangles on the axis; beneath, in a strip, a share from 0 to 1.
- * panel: {rows, strip, margins, nominal, policies, x: {title, domain, log}, y: {title, domain}, title, markers, shade}.
+ * panel: {rows, strip, margins, nominal, impossible, policies, x: {title, domain, log}, y: {title, domain}, title, markers, shade}.
  */
 function curvePanel(look, panel, width, height, legend = false) {
   const inner = Math.max(60, width - yAxisWidth - rightAir);
@@ -46,6 +46,16 @@ function curvePanel(look, panel, width, height, legend = false) {
       data: {values: panel.margins},
       mark: {type: 'point', shape: 'triangle-up', filled: true, size: 64, opacity: 1, yOffset: -4, stroke: look.colour('--paper'), strokeWidth: 1},
       encoding: {x: xOf(!hasStrip), y: {value: height}, color},
+    });
+  }
+  if (panel.impossible.length > 0) {
+    layers.unshift({
+      data: {values: panel.impossible},
+      mark: {type: 'rect', color: look.colour('--bad'), opacity: 0.1, tooltip: {content: 'data'}},
+      encoding: {
+        x: {...xOf(!hasStrip), field: 'from'}, x2: {field: 'to'}, y: {value: 0}, y2: {value: height},
+        tooltip: {value: 'no policy can hold the plant here'},
+      },
     });
   }
   if (panel.nominal !== null) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "gust/core/error.h"
@@ -134,8 +135,12 @@ std::vector<Section> sections(const Page& page, const std::vector<std::string>& 
   }
   if (has_curves(page, false, Page::kNone) || !page.grids.empty()) {
     std::string body;
+    const bool limited = std::ranges::any_of(page.sweeps, [](const Page::Sweep& sweep) {
+      return std::isfinite(sweep.possible_low) || std::isfinite(sweep.possible_high);
+    });
     if (has_curves(page, false, Page::kNone))
-      body += figure("parameters", "The dotted line marks the value the policies were made for.");
+      body += figure("parameters", cat("The dotted line marks the value the policies were made for.",
+                                       limited ? " Shaded: no policy can hold the plant there." : ""));
     if (!page.grids.empty()) body += figure("grids", "Two parameters at once, one map a policy.");
     out.push_back({"parameters", "Parameters", "A different plant", body});
   }

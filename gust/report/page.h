@@ -60,6 +60,8 @@ struct Page {
     std::vector<double> levels;  // increasing
     double nominal = kUnknown;   // the undisturbed value of a parameter
     std::string command;         // measures one cell of it again
+    double possible_low = kUnknown;  // outside these, where they are known, no policy can hold the plant
+    double possible_high = kUnknown;
   };
 
   /// One metric of one policy along a sweep, one estimate a level.

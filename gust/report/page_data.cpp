@@ -223,6 +223,7 @@ void write_sweeps(JsonWriter& json, const Page& page, std::size_t cap) {
   for (const auto& sweep : page.sweeps) {
     json.open('{').key("name").text(sweep.name).key("site").text(sweep.site).key("waveform").text(sweep.waveform);
     json.key("unit").text(sweep.unit).key("levels").numbers(at(sweep.levels, spread(sweep.levels.size(), cap)));
+    json.key("possible").numbers(std::array{sweep.possible_low, sweep.possible_high});
     json.key("nominal").number(sweep.nominal).key("command").text(sweep.command).close('}');
   }
   json.close(']');

@@ -5,6 +5,7 @@
 
 #include "gust/report/study_episodes.h"
 #include "gust/study/trials.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -70,6 +71,9 @@ Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
     page.waveform = parameter.name;
     page.unit = parameter.unit;
     page.nominal = parameter.nominal;
+    const Limits possible = possible_values(study.setup, sweep.axes.front().index);
+    if (std::isfinite(possible.low)) page.possible_low = possible.low;
+    if (std::isfinite(possible.high)) page.possible_high = possible.high;
   }
   page.command = eval_command(study, sweep, page.levels[page.levels.size() / 2]);
   return page;
@@ -104,6 +108,7 @@ class PageWriter {
     page_.question = study_.question;
     page_.plant = cat(study_.setup.plant.kind, ", ", study_.setup.preset);
     page_.warnings = context.warnings;
+    for (std::string& warning : study_warnings(study_)) page_.warnings.push_back(std::move(warning));
     for (const std::string& missing : summary_.missing) page_.warnings.push_back(cat("Not measured: ", missing));
     std::size_t not_finite = 0;
     for (const Series& series : summary_.series) not_finite += series.not_finite;

@@ -64,7 +64,7 @@ class LawPlant final : public Plant {
 
  private:
   static constexpr int kRows = Options::kStates + Options::kHidden;
-  static constexpr std::size_t kTogether = 4;  // packs whose chains of dependent operations overlap; see bench/cartpole
+  static constexpr std::size_t kTogether = 4;  // packs whose chains of dependent operations overlap; see bench/plants
 
   struct Lanes {
     std::array<Pack, kRows> state;

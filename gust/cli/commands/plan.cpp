@@ -4,6 +4,7 @@
 
 #include "gust/cli/command.h"
 #include "gust/cli/study_command.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -49,6 +50,7 @@ void command_plan(CLI::App& app, int&) {
   command->footer("Example:\n  gust plan studies/demo.toml");
   command->callback([options] {
     Study study = StudyFolder::read(options->study, options->settings);
+    for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
     const StudyFolder folder(options->out.empty() ? study.name + ".gust" : options->out);
     if (!Store::is_at(folder.store())) return print_plan(expand(study, {}), nullptr, options->json);
     const Store store(folder.store(), Store::Access::read, tell);

@@ -4,6 +4,7 @@
 #include "gust/cli/progress.h"
 #include "gust/cli/signals.h"
 #include "gust/cli/study_command.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -41,6 +42,7 @@ bool required_claims_hold(const Study& study, const Summary& summary) {
 int run(const Options& options) {
   Study study = StudyFolder::read(options.study, options.settings);
   const StudyFolder folder(options.out.empty() ? study.name + ".gust" : options.out);
+  for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
   const std::size_t threads = thread_count(options.threads);
   folder.keep(study, options.settings);
   const Store store(folder.store(), Store::Access::write, tell);
