@@ -11,7 +11,8 @@ release: ## Build the program: build/release/gust
 	cmake --preset release -D BUILD_TESTING=OFF -D GUST_FULL_CHECK=OFF
 	cmake --build --preset release
 
-demo: release ## Run studies/demo.toml: trains, disturbs, measures; prints the margins and where the page lies
+demo: release ## Run the demo studies: train, disturb, measure; prints the margins and where the pages lie
+	$(RELEASE)/gust run studies/demo-quadrotor.toml --out build/demo-quadrotor.gust
 	$(RELEASE)/gust run studies/demo.toml --out build/demo.gust
 
 check: ## Install, build and run every test

@@ -36,6 +36,17 @@ def test_all_cartpole_recordings_pass_a_line_each(gust):
     assert sum("open loop" in line for line in lines) == 4
 
 
+def test_all_quadrotor_recordings_pass_and_nothing_is_claimed_beyond_the_ground(gust):
+    quadrotors = sorted(RECORDINGS.glob("d_q2_*.json"))
+    assert len(quadrotors) == 6
+    got = {one["recording"]: one for one in json.loads(gust("validate", *quadrotors, "--json").stdout)}
+    assert all(one["passed"] and max(one["one_step"].values()) <= 1e-12 for one in got.values())
+    closed = [one["closed_loop"] for one in got.values() if one["closed_loop"]]
+    assert len(closed) == 5 and all(max(errors.values()) <= 1e-10 for errors in closed)
+    judged = {name: one["judged"] for name, one in got.items() if one["judged"] < one["steps"]}
+    assert judged == {"d_q2_circle_ground_50_1000": 233}
+
+
 def test_json_has_the_errors_of_every_state(gust):
     (got,) = json.loads(gust("validate", RECORDINGS / "d_cp_lqr_15_750.json", "--json").stdout)
     assert set(got["one_step"]) == set(got["closed_loop"]) == {"x", "x_dot", "theta", "theta_dot"}
