@@ -96,7 +96,7 @@ function quadrotorScene(episode, width) {
     place(drone, x, z, theta);
     if (sees) place(ghost, ...[x, z, theta].map((value, i) => value + held(model.seen[i], time)));
     drawThrusts(time, x, z, theta);
-    const windScale = (0.5 * scale) / model.pushReach;
+    const windScale = (0.25 * scale) / model.pushReach;
     point(wind, x * scale, -z * scale, held(model.fx, time) * windScale, -held(model.fz, time) * windScale);
     const last = Math.min(Math.floor(time), model.x.length - 1);
     trail.setAttribute('d', pathOf(model.x, model.z, scale, Math.max(0, last - 60), last));
