@@ -124,11 +124,7 @@ class PageWriter {
   void lists() {
     for (const StudyPolicy& policy : study_.policies)
       page_.policies.push_back({policy.name, kind_text(policy), policy.count()});
-    metrics_ = study_.metrics;
-    for (const char* extra : {"survival", "saturation"}) {
-      const std::size_t index = study_.metric_set.index(extra, {});
-      if (std::ranges::find(metrics_, index) == metrics_.end()) metrics_.push_back(index);
-    }
+    metrics_ = summarised_metrics(study_);
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::string& name = study_.metric_set.name(metrics_[i]);
       page_.metrics.push_back(page_metric(name, study_.metric_set[metrics_[i]]));
@@ -151,6 +147,8 @@ class PageWriter {
     const std::size_t sweep = sweep_at_[series.sweep];
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
       Page::Curve curve{sweep, series.policy, series.start, m, {}};
+      for (std::vector<double>* values : {&curve.band.value, &curve.band.low, &curve.band.high})
+        values->reserve(series.cells);
       bool banded = false;
       for (std::size_t cell = 0; cell < series.cells; ++cell) {
         const Estimate& estimate = series.at(metrics_[m], cell);
@@ -188,6 +186,7 @@ class PageWriter {
     }
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
       Page::Grid::Layer layer{series.policy, series.start, m, {}};
+      layer.values.reserve(series.cells);
       for (std::size_t cell = 0; cell < series.cells; ++cell)
         layer.values.push_back(series.at(metrics_[m], cell).value);
       at->layers.push_back(std::move(layer));
