@@ -76,6 +76,14 @@ TEST_CASE("TOML nested beyond reason is refused before it costs stack") {
   CHECK(error_of(mixed).find("nested more than 32 deep") != std::string::npos);
 }
 
+TEST_CASE("a TOML header without a key is one error with its place") {
+  for (const std::string header : {"[=]", "[[=", "[+]", "[.a]", "[{", "[#", "[[[", "[ \n]", "[\x01]", "[a.=]", "["}) {
+    CAPTURE(header);
+    CHECK(starts(error_of("x = 1\n" + header), "s.toml:2:"));
+  }
+  CHECK(starts(error_of("x = 1\n[[" + std::string(3, '\0')), "s.toml:2:"));
+}
+
 TEST_CASE("TOML text with many dots in strings, comments and lists of numbers is no deep key") {
   std::string text = "# " + std::string(100, '.') + "\na = \"" + std::string(100, '.') + "\"\nb = '''" +
                      std::string(100, '.') + "'''\nc = [0.1";
