@@ -116,8 +116,8 @@ class PageWriter {
       page_.warnings.push_back(cat(not_finite, " episodes gave numbers that are none; they count as failed."));
     page_.provenance = context.provenance;
     page_.study_text = study_.text;
-    page_.run_command = cat("gust run ", context.study_file);
-    page_.export_command = cat("gust export ", context.folder, " --csv ", study_.name, ".csv");
+    page_.run_command = context.run_command;
+    page_.export_command = context.export_command;
     page_.interval = "95 % bootstrap over training seeds; over episodes for a policy without seeds";
   }
 
@@ -216,12 +216,16 @@ class PageWriter {
     if (page_.worst.size() > kMostWorst) page_.worst.resize(kMostWorst);
   }
 
+  /// Each cell leads to the worst episode that was kept of it, or of its level from another start.
   void link_worst_cells() {
     for (Page::WorstCell& cell : page_.worst) {
+      bool same_start = false;
       for (std::size_t e = 0; e < page_.episodes.size(); ++e) {
         const Page::Episode& episode = page_.episodes[e];
-        if (episode.sweep == cell.sweep && episode.policy == cell.policy && episode.level == cell.level)
-          cell.episode = e;
+        if (episode.sweep != cell.sweep || episode.policy != cell.policy || episode.level != cell.level) continue;
+        const bool better = episode.start == cell.start && !same_start;
+        if (better || cell.episode == Page::kNone) cell.episode = e;  // of each trial, the worst comes first
+        same_start = same_start || better;
       }
     }
   }

@@ -19,7 +19,8 @@ Page page_of(Study study) {
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
   const Summary summary = summarise(study, outcome.plan, store, 1);
-  return study_page(study, outcome.plan, store, summary, {"small.gust", "small.toml", {}, {"a warning"}});
+  return study_page(study, outcome.plan, store, summary,
+                    {"gust run small.toml", "gust export small.gust --csv small.csv", {}, {"a warning"}});
 }
 
 TEST_CASE("the page of a study has a curve for each sweep, policy, start and metric") {
@@ -52,11 +53,21 @@ TEST_CASE("the worst cells come first and lead to the episodes that were kept of
 
   REQUIRE(page.worst.size() == 8);
   CHECK(std::ranges::is_sorted(page.worst, {}, [](const Page::WorstCell& cell) { return cell.score.value; }));
-  const auto kept = std::ranges::find_if(page.worst, [](const auto& cell) { return cell.episode != Page::kNone; });
-  REQUIRE(kept != page.worst.end());
-  const Page::Episode& episode = page.episodes[kept->episode];
-  CHECK(episode.policy == kept->policy);
-  CHECK(episode.level == kept->level);
+  std::size_t linked = 0;
+  for (const Page::WorstCell& cell : page.worst) {
+    if (cell.episode == Page::kNone) continue;
+    ++linked;
+    const Page::Episode& episode = page.episodes[cell.episode];
+    CHECK(episode.policy == cell.policy);
+    CHECK(episode.sweep == cell.sweep);
+    CHECK(episode.level == cell.level);
+    for (std::size_t e = 0; e < cell.episode; ++e) {
+      const Page::Episode& before = page.episodes[e];  // none that fits better, and the first of a trial is the worst
+      CHECK((before.policy != cell.policy || before.sweep != cell.sweep || before.level != cell.level ||
+             before.start != cell.start));
+    }
+  }
+  CHECK(linked > 0);
 }
 
 TEST_CASE("a kept episode is whole, and what fell says of what") {

@@ -30,7 +30,7 @@ def test_the_page_of_the_demo_answers_and_draws(opened, demo_page):
         assert chart(page, figure).locator(".mark-line path").first.get_attribute("d")
     assert page.locator("#figure-curves .chart").count() == SWEEPS
     expect(page.locator("#claims li")).to_have_count(2)
-    expect(page.locator("#provenance")).to_contain_text("gust run")
+    expect(page.locator("#provenance")).to_contain_text(f"gust run {STUDY} --set policy.ppo.agent.steps=40000")
     csv = downloaded(page, "curves", "CSV")[1].decode().splitlines()
     assert len(csv) == 1 + SWEEPS * 2 * 11
 
