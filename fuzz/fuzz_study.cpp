@@ -22,7 +22,7 @@ std::string_view take_section(std::string_view& input) {
 
 /// A policy that fits the cart-pole; made anew it has the same bytes.
 const std::string& small_policy() {
-  static const std::string bytes = gust::write_onnx(gust::Mlp<float>({{4, 2, 1}}), {});
+  static const std::string bytes = gust::write_onnx({gust::Mlp<float>({{4, 2, 1}})}, {});
   return bytes;
 }
 

@@ -15,7 +15,7 @@ Made<Plant> cartpole(double start_range) {
 }
 
 /// An actor that does nothing.
-Mlp<float> idle() { return Mlp<float>({{4, 8, 1}}); }
+ActorNetwork idle() { return {Mlp<float>({{4, 8, 1}})}; }
 
 }  // namespace
 

@@ -18,7 +18,7 @@ struct Scene {
   StudyFolder kept{scratch.path / "kept.gust"};
 
   Scene() {
-    const std::string policy = write_onnx(Mlp<float>({{4, 2, 1}}), {});
+    const std::string policy = write_onnx({Mlp<float>({{4, 2, 1}})}, {});
     write_file_atomically(scratch.path / "policies/a.onnx", policy);
     write_file_atomically(scratch.path / "policies/b.onnx", policy);
     write_file_atomically(study, changed("kind = \"zero\"", "kind = \"onnx\"\nfile = \"policies/*.onnx\""));
