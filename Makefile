@@ -18,13 +18,15 @@ demo: release ## Run the demo studies: train, disturb, measure; prints the margi
 check: ## Install, build and run every test
 	scripts/install-deps check
 	scripts/make-venv
-	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON -D GUST_SANITIZED_CHECK=OFF
+	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON
+	cmake --preset asan
 	cmake --build --preset release
+	cmake --build --preset asan
 	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST)
 
-sanitize: ## Build the sanitized tests and the fuzz targets, and run both
+sanitize: ## The part of check that runs under sanitizers: the unit tests, and a minute of each fuzz target
 	scripts/install-deps check
-	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON -D GUST_SANITIZED_CHECK=ON
+	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON
 	cmake --preset asan
 	cmake --build --preset asan
 	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -L 'sanitizers|fuzz'

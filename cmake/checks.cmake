@@ -21,7 +21,6 @@ if(TARGET gust)
              COMMAND scripts/make-docs --check $<TARGET_FILE:gust>)
 endif()
 
-if(GUST_SANITIZED_CHECK)
 foreach(program ${unit_programs})
   gust_check("${program} is clean under the sanitizers" LABEL sanitizers SECONDS 600
              COMMAND ${PROJECT_SOURCE_DIR}/build/asan/${program} --no-intro)
@@ -32,7 +31,6 @@ foreach(source ${fuzzers})
   get_filename_component(target ${source} NAME_WE)
   gust_check("${target} survives a minute" LABEL fuzz SECONDS 180 COMMAND scripts/fuzz-one 60 ${target})
 endforeach()
-endif()
 
 file(GLOB scripts RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS tests/*/test_*.py)
 foreach(script ${scripts})

@@ -17,6 +17,12 @@ def build():
     return BUILD
 
 
+@pytest.fixture(scope="session")
+def program():
+    """The program under test."""
+    return PROGRAM
+
+
 @pytest.fixture
 def gust(tmp_path):
     """Runs the program in an empty folder: gust("run", "x.toml", code=2) returns the finished process.

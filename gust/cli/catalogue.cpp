@@ -66,6 +66,11 @@ CatalogueKind waveform_kind() {
   return kind;
 }
 
+std::string policy_example(std::string_view agent, std::string_view profile) {
+  return cat("[[policy]]\nname  = \"", agent, "\"\nkind  = \"train\"\nagent = { kind = \"", agent, "\", profile = \"",
+             profile, "\", steps = 1_000_000 }\nseeds = [1, 2, 3]");
+}
+
 CatalogueKind agent_kind() {
   CatalogueKind kind{"agent", "agents", {}};
   for (const Entry<Agent>& entry : agents().entries()) {
@@ -79,8 +84,7 @@ CatalogueKind agent_kind() {
       }
     }
     item.notes = {{"profiles", join(profiles, ", ")}};
-    item.example = cat("[[policy]]\nname  = \"", entry.name, "\"\nkind  = \"train\"\nagent = { kind = \"", entry.name,
-                       "\", profile = \"", kStandardPreset, "\", steps = 1_000_000 }\nseeds = [1, 2, 3]");
+    item.example = policy_example(entry.name, kStandardPreset);
     kind.items.push_back(std::move(item));
   }
   return kind;
@@ -109,9 +113,8 @@ CatalogueKind preset_kind() {
     CatalogueItem item{preset.name, preset.summary, {}, {}, {}, {}, {}};
     item.notes = {{"plants", of.empty() ? "none; a profile of agents" : join(of, ", ")}};
     item.text = preset_file(preset.name);
-    item.example = of.empty()
-                       ? cat("agent = { kind = \"", agents().names().front(), "\", profile = \"", preset.name, "\" }")
-                       : cat("plant = { kind = \"", of.front(), "\", preset = \"", preset.name, "\" }");
+    item.example = of.empty() ? policy_example(agents().names().front(), preset.name)
+                              : cat("plant = { kind = \"", of.front(), "\", preset = \"", preset.name, "\" }");
     kind.items.push_back(std::move(item));
   }
   return kind;

@@ -2,9 +2,12 @@
 
 #include <sys/utsname.h>
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -29,6 +32,15 @@ std::string now_text() {
   char text[64];
   std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
   return text;
+}
+
+/// A text as one word of a POSIX shell.
+std::string shell_word(const std::string& text) {
+  const auto plain = [](unsigned char letter) { return std::isalnum(letter) || std::strchr("_./=,+-:@%", letter); };
+  if (!text.empty() && std::ranges::all_of(text, plain)) return text;
+  std::string word = "'";
+  for (const char letter : text) word += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return word + "'";
 }
 
 Json margin_json(const Study& study, const Series& series) {
@@ -72,8 +84,10 @@ std::size_t thread_count(std::size_t asked) {
 std::string write_report(const StudyFolder& folder, const std::string& study_file, const Study& study, const Plan& plan,
                          const Store& store, const Summary& summary, const std::vector<std::string>& warnings) {
   PageContext context;
-  context.folder = folder.path().string();
-  context.study_file = study_file;
+  context.run_command = cat("gust run ", shell_word(study_file));
+  for (const std::string& setting : folder.settings()) context.run_command += cat(" --set ", shell_word(setting));
+  context.export_command =
+      cat("gust export ", shell_word(folder.path().string()), " --csv ", shell_word(study.name + ".csv"));
   context.warnings = warnings;
   context.provenance = {{"gust", std::string(kVersion)},
                         {"plant", study.setup.plant.canonical},

@@ -103,8 +103,8 @@ Dialect dialect_of(const Table& description) {
     if (dialect.plant == name) return dialect;
     names.emplace_back(dialect.plant);
   }
-  for (const std::string& known : plants().names())
-    if (known == name) return {known, known, {}};
+  for (const Entry<Plant>& entry : plants().entries())  // they live as long as the program, and so do views of them
+    if (entry.name == name) return {entry.name, entry.name, {}};
   throw error_at(kind.place, "unknown plant '", name, "'", did_you_mean(name, names), "; known are ",
                  join(names, ", "));
 }

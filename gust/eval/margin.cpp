@@ -11,59 +11,94 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Scores of each unit: a row is a level, a lane a seed (or an episode, if there is one seed).
-struct Scores {
-  Matrix<double> values;
-  Unit unit = Unit::none;
-};
-
-Scores scores_of(const Curve& curve) {
+void check_curve(const Curve& curve) {
   GUST_CHECK(!curve.levels.empty() && curve.levels.size() == curve.cells.size());
   const Cell& first = curve.cells.front();
-  const Unit unit = unit_of(first);
-  Scores scores{Matrix<double>(curve.cells.size(), unit == Unit::seeds ? first.rows : first.lanes), unit};
   for (std::size_t level = 0; level < curve.cells.size(); ++level) {
-    const Cell& cell = curve.cells[level];
-    GUST_CHECK(cell.rows == first.rows && cell.lanes == first.lanes);
+    GUST_CHECK(curve.cells[level].rows == first.rows && curve.cells[level].lanes == first.lanes);
     GUST_CHECK(level == 0 || curve.levels[level] > curve.levels[level - 1]);
-    Matrix<double> counted(cell.rows, cell.lanes);
-    for (std::size_t seed = 0; seed < cell.rows; ++seed) {
-      for (std::size_t episode = 0; episode < cell.lanes; ++episode) {
-        const double score = cell.at(seed, episode);
-        counted.at(seed, episode) = std::isnan(score) ? 0.0 : score;
-      }
-    }
-    const std::vector<double> units = unit_values(counted.view());
-    std::copy(units.begin(), units.end(), scores.values.row(level).begin());
   }
-  return scores;
+}
+
+/// The scores at one level, one a seed, or one an episode if there is one seed.
+std::vector<double> unit_scores(const Cell& cell) {
+  Matrix<double> counted(cell.rows, cell.lanes);
+  for (std::size_t seed = 0; seed < cell.rows; ++seed) {
+    for (std::size_t episode = 0; episode < cell.lanes; ++episode) {
+      const double score = cell.at(seed, episode);
+      counted.at(seed, episode) = std::isnan(score) ? 0.0 : score;
+    }
+  }
+  return unit_values(counted.view());
 }
 
 /// One seed's curve is the mean over its episodes, whatever the statistic of the seeds.
-std::size_t dropped(const Scores& scores, Statistic statistic) {
-  return scores.unit == Unit::seeds ? dropped_values(statistic, scores.values.lanes()) : 0;
+std::size_t dropped(const Interval& interval, Statistic statistic) {
+  return interval.unit == Unit::seeds ? dropped_values(statistic, interval.n) : 0;
 }
 
-/// The crossing in each resample.
-std::vector<double> resampled_crossings(const Curve& curve, const Scores& scores, const MarginRule& rule,
-                                        Bootstrap& bootstrap) {
-  const std::size_t levels = curve.levels.size();
-  std::vector<TrimmedValues> prepared;
-  for (std::size_t level = 0; level < levels; ++level) {
-    prepared.push_back(trimmed_values(scores.values.row(level), dropped(scores, rule.statistic)));
+/// Where a score that is not below the threshold at one level and is at the next one falls below it.
+double crossing_between(double level, double next_level, double score, double next_score, double threshold) {
+  return level + (score - threshold) / (score - next_score) * (next_level - level);
+}
+
+/// Follows the curves of a block of resamples from level to level: what it holds does not grow with them.
+class CrossingScan {
+ public:
+  CrossingScan(const MarginRule& rule, std::span<double> found) : rule_(rule), found_(found), open_(found.size()) {
+    std::fill(found_.begin(), found_.end(), kInfinity);
   }
-  std::vector<double> crossings(bootstrap.resamples());
-  Matrix<double> means(levels, Bootstrap::kBlock);
-  std::vector<double> drawn(levels);
-  const std::size_t units = scores.values.lanes();
-  bootstrap.for_each_block(std::span(&units, 1), [&](std::size_t first, const Rows<const std::uint16_t>& times) {
-    for (std::size_t level = 0; level < levels; ++level) {
-      resampled_means(prepared[level], times, means.row(level).first(times.lanes));
+
+  /// Whether a curve is left that has not crossed yet.
+  bool open() const { return open_ > 0; }
+
+  void first(double level, std::span<const double> scores) {
+    threshold_.assign(scores.size(), 0.0);
+    for (std::size_t k = 0; k < scores.size(); ++k) {
+      threshold_[k] = rule_.fraction * scores[k];
+      if (!(scores[k] > 0.0)) close(k, level);
     }
-    for (std::size_t k = 0; k < times.lanes; ++k) {
-      for (std::size_t level = 0; level < levels; ++level) drawn[level] = means.at(level, k);
-      const double level = crossing(curve.levels, drawn, rule);
-      crossings[first + k] = std::isnan(level) ? curve.levels.front() : level;
+    move_on(level, scores);
+  }
+
+  void next(double level, std::span<const double> scores) {
+    for (std::size_t k = 0; k < scores.size(); ++k) {
+      if (scores[k] >= threshold_[k] || std::isfinite(found_[k])) continue;
+      close(k, rule_.interpolated ? crossing_between(level_, level, scores_[k], scores[k], threshold_[k]) : level);
+    }
+    move_on(level, scores);
+  }
+
+ private:
+  void close(std::size_t k, double level) {
+    found_[k] = level;
+    --open_;
+  }
+
+  void move_on(double level, std::span<const double> scores) {
+    level_ = level;
+    scores_.assign(scores.begin(), scores.end());
+  }
+
+  const MarginRule& rule_;
+  std::span<double> found_;
+  std::size_t open_;
+  double level_ = 0;  // the level before
+  std::vector<double> scores_;
+  std::vector<double> threshold_;
+};
+
+/// The crossing in each resample.
+std::vector<double> resampled_crossings(const Curve& curve, const Interval& units, const MarginRule& rule,
+                                        Bootstrap& bootstrap) {
+  const std::size_t drop = dropped(units, rule.statistic);
+  std::vector<double> crossings(bootstrap.resamples());
+  bootstrap.for_each_block(std::span(&units.n, 1), [&](std::size_t first, const Rows<const std::uint16_t>& times) {
+    CrossingScan scan(rule, std::span(crossings).subspan(first, times.lanes));
+    std::vector<double> means(times.lanes);
+    for (std::size_t level = 0; level < curve.levels.size() && scan.open(); ++level) {
+      resampled_means(trimmed_values(unit_scores(curve.cells[level]), drop), times, means);
+      level == 0 ? scan.first(curve.levels[level], means) : scan.next(curve.levels[level], means);
     }
   });
   return crossings;
@@ -82,32 +117,31 @@ double crossing(std::span<const double> levels, std::span<const double> scores, 
   for (std::size_t i = 1; i < scores.size(); ++i) {
     if (scores[i] >= threshold) continue;
     if (!rule.interpolated) return levels[i];
-    const double share = (scores[i - 1] - threshold) / (scores[i - 1] - scores[i]);
-    return levels[i - 1] + share * (levels[i] - levels[i - 1]);
+    return crossing_between(levels[i - 1], levels[i], scores[i - 1], scores[i], threshold);
   }
   return kInfinity;
 }
 
 Margin margin(const Curve& curve, const MarginRule& rule, Bootstrap& bootstrap) {
-  const Scores scores = scores_of(curve);
+  check_curve(curve);
   Margin result;
   result.last_level = curve.levels.back();
+  const Cell& cell = curve.cells.front();
+  result.level.unit = unit_of(cell);
+  result.level.n = result.level.unit == Unit::seeds ? cell.rows : cell.lanes;
   std::vector<double> means(curve.levels.size());
-  bool finite = true;
   for (std::size_t level = 0; level < curve.levels.size(); ++level) {
-    const auto units = scores.values.row(level);
-    finite = finite && all_finite(units);
-    means[level] = scores.unit == Unit::seeds ? aggregate(rule.statistic, units) : mean(units);
+    const std::vector<double> scores = unit_scores(curve.cells[level]);
+    if (!all_finite(scores)) return result;
+    means[level] = result.level.unit == Unit::seeds ? aggregate(rule.statistic, scores) : mean(scores);
   }
-  result.level = {.unit = scores.unit, .n = scores.values.lanes()};
-  if (!finite) return result;
   result.level.estimate = crossing(curve.levels, means, rule);
   if (std::isnan(result.level.estimate)) return result;
 
   result.censored = std::isinf(result.level.estimate);
   if (result.censored) result.level.estimate = result.last_level;
-  if (scores.unit == Unit::none) return result;
-  std::vector<double> crossings = resampled_crossings(curve, scores, rule, bootstrap);
+  if (result.level.unit == Unit::none) return result;
+  std::vector<double> crossings = resampled_crossings(curve, result.level, rule, bootstrap);
   bootstrap.bound(result.level, crossings);
   result.level.low = std::min(result.level.low, result.last_level);
   return result;
@@ -124,15 +158,18 @@ std::string margin_text(const Margin& margin) {
 }
 
 std::vector<double> areas(const Curve& curve) {
-  const Scores scores = scores_of(curve);
+  check_curve(curve);
   const double range = curve.levels.back() - curve.levels.front();
-  std::vector<double> result(scores.values.lanes(), 0.0);
-  for (std::size_t unit = 0; unit < result.size(); ++unit) {
-    if (curve.levels.size() == 1) result[unit] = scores.values.at(0, unit);
-    for (std::size_t i = 1; i < curve.levels.size(); ++i) {
-      const double width = (curve.levels[i] - curve.levels[i - 1]) / range;
-      result[unit] += 0.5 * width * (scores.values.at(i - 1, unit) + scores.values.at(i, unit));
+  std::vector<double> before = unit_scores(curve.cells.front());
+  if (curve.levels.size() == 1) return before;
+  std::vector<double> result(before.size(), 0.0);
+  for (std::size_t i = 1; i < curve.levels.size(); ++i) {
+    const std::vector<double> scores = unit_scores(curve.cells[i]);
+    const double width = (curve.levels[i] - curve.levels[i - 1]) / range;
+    for (std::size_t unit = 0; unit < result.size(); ++unit) {
+      result[unit] += 0.5 * width * (before[unit] + scores[unit]);
     }
+    before = scores;
   }
   return result;
 }

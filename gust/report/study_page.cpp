@@ -116,19 +116,15 @@ class PageWriter {
       page_.warnings.push_back(cat(not_finite, " episodes gave numbers that are none; they count as failed."));
     page_.provenance = context.provenance;
     page_.study_text = study_.text;
-    page_.run_command = cat("gust run ", context.study_file);
-    page_.export_command = cat("gust export ", context.folder, " --csv ", study_.name, ".csv");
+    page_.run_command = context.run_command;
+    page_.export_command = context.export_command;
     page_.interval = "95 % bootstrap over training seeds; over episodes for a policy without seeds";
   }
 
   void lists() {
     for (const StudyPolicy& policy : study_.policies)
       page_.policies.push_back({policy.name, kind_text(policy), policy.count()});
-    metrics_ = study_.metrics;
-    for (const char* extra : {"survival", "saturation"}) {
-      const std::size_t index = study_.metric_set.index(extra, {});
-      if (std::ranges::find(metrics_, index) == metrics_.end()) metrics_.push_back(index);
-    }
+    metrics_ = summarised_metrics(study_);
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::string& name = study_.metric_set.name(metrics_[i]);
       page_.metrics.push_back(page_metric(name, study_.metric_set[metrics_[i]]));
@@ -151,6 +147,8 @@ class PageWriter {
     const std::size_t sweep = sweep_at_[series.sweep];
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
       Page::Curve curve{sweep, series.policy, series.start, m, {}};
+      for (std::vector<double>* values : {&curve.band.value, &curve.band.low, &curve.band.high})
+        values->reserve(series.cells);
       bool banded = false;
       for (std::size_t cell = 0; cell < series.cells; ++cell) {
         const Estimate& estimate = series.at(metrics_[m], cell);
@@ -188,6 +186,7 @@ class PageWriter {
     }
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
       Page::Grid::Layer layer{series.policy, series.start, m, {}};
+      layer.values.reserve(series.cells);
       for (std::size_t cell = 0; cell < series.cells; ++cell)
         layer.values.push_back(series.at(metrics_[m], cell).value);
       at->layers.push_back(std::move(layer));
@@ -217,12 +216,16 @@ class PageWriter {
     if (page_.worst.size() > kMostWorst) page_.worst.resize(kMostWorst);
   }
 
+  /// Each cell leads to the worst episode that was kept of it, or of its level from another start.
   void link_worst_cells() {
     for (Page::WorstCell& cell : page_.worst) {
+      bool same_start = false;
       for (std::size_t e = 0; e < page_.episodes.size(); ++e) {
         const Page::Episode& episode = page_.episodes[e];
-        if (episode.sweep == cell.sweep && episode.policy == cell.policy && episode.level == cell.level)
-          cell.episode = e;
+        if (episode.sweep != cell.sweep || episode.policy != cell.policy || episode.level != cell.level) continue;
+        const bool better = episode.start == cell.start && !same_start;
+        if (better || cell.episode == Page::kNone) cell.episode = e;  // of each trial, the worst comes first
+        same_start = same_start || better;
       }
     }
   }

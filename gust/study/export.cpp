@@ -79,6 +79,32 @@ void export_trial(const Study& study, const Trial& trial, const Store& store,
   }
 }
 
+/// A file beside another one, which it can replace; SQLite writes by name, to nothing but regular files. It vanishes
+/// with the object.
+class AsideFile {
+ public:
+  explicit AsideFile(const fs::path& file) : path_(file.string() + ".part") {
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (fs::exists(status) && !fs::is_regular_file(status)) throw Error(cat(file.string(), ": is no regular file"));
+    fs::remove(path_, error);
+  }
+  ~AsideFile() {
+    std::error_code error;
+    fs::remove(path_, error);
+  }
+  AsideFile(const AsideFile&) = delete;
+  AsideFile& operator=(const AsideFile&) = delete;
+
+  const fs::path& path() const { return path_; }
+  void replace(const fs::path& file) const {
+    if (std::rename(path_.c_str(), file.c_str()) != 0) throw file_error(file, "cannot write");
+  }
+
+ private:
+  fs::path path_;
+};
+
 /// A small owner of an SQLite connection; every failure is an Error that names the file.
 class Database {
  public:
@@ -144,24 +170,20 @@ void for_each_export_row(const Study& study, const Plan& plan, const Store& stor
 }
 
 void export_csv(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
-  const fs::path aside = file.string() + ".part";
-  fs::remove(aside);
-  OutputFile out(aside);
+  AtomicFile out(file);
   out.append(cat(kExportHead, "\n"));
   for_each_export_row(study, plan, store, [&](const ExportRow& row) {
     out.append(cat(row.plant, ",", row.preset, ",", csv_cell(row.readings), ",", csv_cell(row.policy), ",",
                    csv_cell(row.seed), ",", row.site, ",", csv_cell(row.waveform), ",", row.vary, ",", row.level, ",",
                    csv_cell(row.start), ",", row.episode, ",", row.metric, ",", row.value, "\n"));
   });
-  out.close();
-  fs::rename(aside, file);
+  out.commit();
 }
 
 void export_sqlite(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
-  const fs::path aside = file.string() + ".part";
-  fs::remove(aside);
+  const AsideFile aside(file);
   {
-    Database database(aside);
+    Database database(aside.path());
     database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
     database.execute(
         "CREATE TABLE episodes (plant TEXT, preset TEXT, readings TEXT, policy TEXT, seed TEXT, site TEXT, "
@@ -182,7 +204,7 @@ void export_sqlite(const Study& study, const Plan& plan, const Store& store, con
     insert_learning(database, study, plan, store);
     database.execute("COMMIT");
   }
-  fs::rename(aside, file);
+  aside.replace(file);
 }
 
 }  // namespace gust

@@ -16,13 +16,38 @@ constexpr const char* kStudyFile = "study.toml";
 constexpr const char* kInputsFile = "inputs.json";
 constexpr const char* kInputsFolder = "inputs";
 
-Json read_inputs(const fs::path& folder) {
+struct KeptFile {
+  std::string path;  ///< as the study's pattern found it
+  std::string hash;  ///< and name of the copy
+};
+
+struct KeptInputs {
+  std::vector<std::string> settings;
+  std::vector<std::vector<KeptFile>> patterns;  ///< in the order in which the parser asks
+};
+
+KeptInputs read_inputs(const fs::path& folder) {
   const fs::path path = folder / kInputsFile;
+  const std::string bytes = read_file(path);
   try {
-    return Json::parse(read_file(path));
+    const Json json = Json::parse(bytes);
+    KeptInputs inputs{json.at("settings").get<std::vector<std::string>>(), {}};
+    for (const Json& found : json.at("files")) {
+      std::vector<KeptFile>& files = inputs.patterns.emplace_back();
+      for (const Json& file : found) files.push_back({file.at("path"), file.at("hash")});
+    }
+    return inputs;
   } catch (const Json::exception&) {
     throw Error(cat(path.string(), ": damaged; run the study again"));
   }
+}
+
+/// The copy of a file that a study used, if it is still what it was.
+std::string read_kept(const fs::path& folder, const KeptFile& file) {
+  const fs::path path = folder / kInputsFolder / file.hash;
+  std::string bytes = read_file(path);
+  if (hash_hex(bytes) != file.hash) throw Error(cat(path.string(), ": damaged; run the study again"));
+  return bytes;
 }
 
 /// Whether a folder is a result of ours, or empty; another run may just be making it, or have been killed while it did.
@@ -82,22 +107,17 @@ void StudyFolder::keep(const Study& study, const std::vector<std::string>& setti
 Study StudyFolder::open() const {
   const fs::path text = path_ / kStudyFile;
   if (!fs::exists(text)) throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' left"));
-  const Json inputs = read_inputs(path_);
-  // The parser asks for files in the order in which they were kept.
-  auto pattern = inputs["files"].begin();
+  const KeptInputs inputs = read_inputs(path_);
+  std::size_t asked = 0;
   const FindFiles find = [&](const std::string&, const Place&) {
     std::vector<StudyPolicy::File> files;
-    if (pattern == inputs["files"].end()) return files;
-    for (const Json& file : *pattern) {
-      const std::string hash = file["hash"];
-      files.push_back({file["path"], read_file(path_ / kInputsFolder / hash)});
-    }
-    ++pattern;
+    if (asked == inputs.patterns.size()) return files;
+    for (const KeptFile& file : inputs.patterns[asked++]) files.push_back({file.path, read_kept(path_, file)});
     return files;
   };
-  return parse_study(read_file(text), text.string(), inputs["settings"].get<std::vector<std::string>>(), find);
+  return parse_study(read_file(text), text.string(), inputs.settings, find);
 }
 
-std::vector<std::string> StudyFolder::settings() const { return read_inputs(path_)["settings"]; }
+std::vector<std::string> StudyFolder::settings() const { return read_inputs(path_).settings; }
 
 }  // namespace gust

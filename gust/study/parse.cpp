@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::int64_t kSchema = 1;
 constexpr std::size_t kLongestName = 200;
+constexpr std::size_t kMostCells = 20'000'000;  // of all policies and sweeps
 
 /// The tables of "[[key]]", none if it is absent.
 std::vector<const Table*> tables_of(const Table& study, std::string_view key) {
@@ -81,6 +82,23 @@ void parse_evaluate(const Table& table, Study& study) {
     if (study.metrics.empty()) throw error_at(names->place, "'metrics' must name at least one (gust list metrics)");
   }
   if (const Value* disturb = table.find("disturb")) study.always = parse_disturb(*disturb, spec);
+}
+
+/// The sweeps, of which every policy, seed by seed, measures every level.
+void parse_sweeps(const Table& table, Study& study) {
+  std::size_t members = 0;
+  for (const StudyPolicy& policy : study.policies) members += policy.count();
+  std::size_t cells = 0;
+  for (const Table* sweep : tables_of(table, "sweep")) {
+    Sweep parsed = parse_sweep(*sweep, study);
+    check_new_name(study.sweeps, parsed.name, sweep->find("name")->place, "sweep");
+    cells += members * std::max<std::size_t>(1, parsed.cells());
+    if (cells > kMostCells) {
+      throw error_at(sweep->place, "with sweep '", parsed.name, "' the study has ", cells,
+                     " cells (policies and seeds times levels); at most ", kMostCells);
+    }
+    study.sweeps.push_back(std::move(parsed));
+  }
 }
 
 void parse_head(const Table& table, Study& study) {
@@ -172,11 +190,7 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
     study.policies.push_back(std::move(parsed));
   }
   if (study.policies.empty()) throw error_at(table.place, "a study needs at least one [[policy]]");
-  for (const Table* sweep : tables_of(table, "sweep")) {
-    Sweep parsed = parse_sweep(*sweep, study);
-    check_new_name(study.sweeps, parsed.name, sweep->find("name")->place, "sweep");
-    study.sweeps.push_back(std::move(parsed));
-  }
+  parse_sweeps(table, study);
   for (const Table* claim : tables_of(table, "claim")) {
     study.claims.push_back(parse_claim_of(*claim, study));
     for (std::size_t i = 0; i + 1 < study.claims.size(); ++i) {

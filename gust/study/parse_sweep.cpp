@@ -86,6 +86,15 @@ void parse_disturbance(const Table& table, const Study& study, Sweep& sweep) {
   if (!sweep.automatic) sweep.axes.front().values = parse_levels(*levels, "levels");
 }
 
+/// What stands on an axis: all of it if that is short, else the value nearest to the one that was wanted.
+std::string offer(const Sweep::Axis& axis, double wanted) {
+  constexpr std::size_t kShort = 12;
+  const std::vector<double>& values = axis.values;
+  if (values.size() <= kShort) return cat("it has ", canonical_text(values));
+  const auto nearest = std::ranges::min_element(values, {}, [&](double v) { return std::abs(v - wanted); });
+  return cat("the nearest of its ", values.size(), " is ", *nearest);
+}
+
 /// One value per axis of the sweep: `level`, or the parameters by name.
 std::vector<double> claim_point(const Table& where, const Sweep& sweep) {
   std::vector<double> at;
@@ -97,8 +106,7 @@ std::vector<double> claim_point(const Table& where, const Sweep& sweep) {
     const auto nearest = std::ranges::find_if(
         axis.values, [&](double v) { return std::abs(v - wanted) <= 1e-9 * std::max(1.0, std::abs(v)); });
     if (nearest == axis.values.end() && !sweep.automatic) {
-      throw error_at(value->place, "sweep '", sweep.name, "' has no ", key, " ", wanted, "; it has ",
-                     canonical_text(axis.values));
+      throw error_at(value->place, "sweep '", sweep.name, "' has no ", key, " ", wanted, "; ", offer(axis, wanted));
     }
     at.push_back(nearest == axis.values.end() ? wanted : *nearest);
   }
@@ -175,6 +183,8 @@ StudyClaim parse_claim_of(const Table& table, const Study& study) {
     claim.sweep = sweep.name;
     claim.at = claim_point(where, sweep);
     for (const Sweep::Axis& axis : sweep.axes) known.push_back(axis.parameter.empty() ? "level" : axis.parameter);
+  } else if (const Value* level = where.find("level")) {
+    throw error_at(level->place, "a 'level' needs its 'sweep' beside it; without one a claim is about no disturbance");
   }
   check_keys(where, known, "'where'");
   return claim;

@@ -74,6 +74,44 @@ TEST_CASE("what is wrong in a study is told with its place and what would be rig
   }
 }
 
+TEST_CASE("a claim about a level that its sweep lacks is told which ones there are") {
+  struct Case {
+    std::string where, message;
+  };
+  const Case cases[] = {
+      {"policy = \"lqr\", sweep = \"push\", level = 4", "sweep 'push' has no level 4; it has [0, 5, 30]"},
+      {"policy = \"lqr\", sweep = \"noise\", level = 0.3", "has no level 0.3; the nearest of its 101 is 0.25"},
+      {"policy = \"lqr\", level = 4", "a 'level' needs its 'sweep' beside it"},
+      {"policy = \"lqr\", sweep = \"push\"", "'where' needs 'level' for sweep 'push'"},
+      {"policy = \"lqr\", sweep = \"pusj\", level = 5", "unknown sweep 'pusj'; did you mean 'push'?"},
+  };
+
+  for (const Case& one : cases) {
+    CAPTURE(one.where);
+    std::string text = changed("policy = \"nothing\"", one.where);
+    text.replace(text.find("to = 1, count = 2"), 17, "to = 25, count = 101");
+
+    const std::string message = error_of(text);
+
+    CAPTURE(message);
+    CHECK(message.find(one.message) != std::string::npos);
+    CHECK(message.starts_with("small.toml:31:"));
+  }
+}
+
+TEST_CASE("a study of more cells than anyone waits for is refused before memory is spent on it") {
+  std::string text(kSmallStudy);
+  for (int i = 0; i < 6; ++i) {
+    text += cat("[[sweep]]\nname = \"long ", i, "\"\nsite = \"action\"\nwaveform = \"step\"\n",
+                "levels = { from = 0, to = 1, count = 2_000_000 }\n");
+  }
+
+  const std::string message = error_of(text);
+
+  CAPTURE(message);
+  CHECK(message.find("with sweep 'long 4' the study has 20000010 cells") != std::string::npos);
+}
+
 TEST_CASE("settings replace what the text says, tables in a list by their name") {
   const Study study =
       small_study({"evaluate.episodes=5", "sweep.push.levels=[1, 2]", "policy.lqr.r=0.5", "plant.pole_length=0.7"});

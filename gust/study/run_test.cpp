@@ -1,6 +1,7 @@
 #include "gust/study/run.h"
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -49,6 +50,23 @@ TEST_CASE("the exported table has a row for each episode and metric") {
   const std::size_t cells = 2 * (1 + 3 + 2);  // policies x (nominal, push, noise)
   CHECK(lines == 1 + cells * 2 * 3 * MetricSet().size());
   CHECK(csv.starts_with(std::string(kExportHead)));
+}
+
+TEST_CASE("an export replaces a file, never a folder or a device") {
+  const ScratchFolder folder("gust-run-export");
+  run_and_export(folder.path, 1);
+  Study study = small_study();
+  const Store store(folder.path / "store", Store::Access::read);
+  const Plan plan = plan_with_store(study, store);
+  const std::filesystem::path pipe = folder.path / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+
+  CHECK_THROWS_WITH_AS(export_sqlite(study, plan, store, pipe), doctest::Contains("pipe: is no regular file"), Error);
+  CHECK_THROWS_WITH_AS(export_csv(study, plan, store, folder.path), doctest::Contains("Is a directory"), Error);
+
+  CHECK(std::filesystem::is_fifo(pipe));
+  CHECK(std::filesystem::is_regular_file(folder.path / "rows.csv"));
+  CHECK_FALSE(std::filesystem::exists(folder.path / "pipe.part"));
 }
 
 TEST_CASE("a summary agrees with the rows it came from") {

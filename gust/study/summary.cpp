@@ -81,17 +81,30 @@ class MemberRows {
   std::vector<std::span<const double>> cells_;
 };
 
-/// Seed means for several seeds, else the episodes: all that a margin needs of a cell.
-Matrix<double> unit_matrix(const Matrix<double>& values) {
-  if (values.rows() == 1) return values;
-  Matrix<double> means(values.rows(), 1);
-  for (std::size_t m = 0; m < values.rows(); ++m) {
-    double sum = 0;
-    for (const double value : values.row(m)) sum += value;
-    means.at(m, 0) = sum / static_cast<double>(values.lanes());
+/// What a margin needs of the cells so far: seed means for several seeds, else the episodes.
+struct MarginScores {
+  std::vector<double> values;  ///< cell after cell
+  std::size_t seeds = 1;
+
+  void append(const Matrix<double>& cell) {
+    seeds = cell.rows();
+    if (seeds == 1) values.insert(values.end(), cell.row(0).begin(), cell.row(0).end());
+    for (std::size_t m = 0; seeds > 1 && m < seeds; ++m) {
+      double sum = 0;
+      for (const double value : cell.row(m)) sum += value;
+      values.push_back(sum / static_cast<double>(cell.lanes()));
+    }
   }
-  return means;
-}
+
+  std::vector<Cell> cells(std::size_t count) const {
+    const std::size_t size = values.size() / count;
+    std::vector<Cell> cells;
+    cells.reserve(count);
+    for (std::size_t cell = 0; cell < count; ++cell)
+      cells.push_back(cell_of(std::span(values).subspan(cell * size, size), seeds));
+    return cells;
+  }
+};
 
 /// What one thread needs to summarise group after group.
 class Summariser {
@@ -100,6 +113,7 @@ class Summariser {
       : study_(study),
         plan_(plan),
         store_(store),
+        metrics_(summarised_metrics(study)),
         margin_metric_(margin_metric),
         survival_(study.metric_set.index("survival", {})),
         bands_(stream(study), kBandResamples),
@@ -118,12 +132,11 @@ class Summariser {
     const std::size_t starts = rows.header().starts.size();
     for (std::size_t start = 0; start < starts; ++start)
       part.series.push_back(empty_series(group, start, rows.header()));
-    std::vector<std::vector<Matrix<double>>> kept(starts);
+    std::vector<MarginScores> kept(starts);
     for (std::size_t cell = 0; rows.next(); ++cell) {
       for (std::size_t start = 0; start < starts; ++start) {
         fill_cell(rows, cell, part.series[start]);
-        if (has_margin(group))
-          kept[start].push_back(unit_matrix(rows.values(start, margin_metric_, repeats(group, start))));
+        if (has_margin(group)) kept[start].append(rows.values(start, margin_metric_, repeats(group, start)));
         judge_claims(rows, cell, part.series[start], part.claims);
       }
     }
@@ -154,18 +167,20 @@ class Summariser {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     Series series{.policy = group.policy, .sweep = group.sweep, .start = start};
     series.cells = static_cast<std::size_t>(header.cells);
-    series.values.assign(header.metrics.size() * series.cells, {kUnknown, kUnknown, kUnknown});
+    series.metrics = metrics_;
+    series.values.assign(metrics_.size() * series.cells, {kUnknown, kUnknown, kUnknown});
     return series;
   }
 
   /// An interval for what the page leads with, the mean alone for the rest.
   void fill_cell(const MemberRows& rows, std::size_t cell, Series& series) {
     const bool same = repeats({series.policy, series.sweep, {}}, series.start);
-    for (std::size_t metric = 0; metric < study_.metric_set.size(); ++metric) {
+    for (std::size_t i = 0; i < metrics_.size(); ++i) {
+      const std::size_t metric = metrics_[i];
       const Matrix<double> values = rows.values(series.start, metric, same);
       const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
-      series.values[metric * series.cells + cell] = {result.estimate, result.low, result.high};
+      series.values[i * series.cells + cell] = {result.estimate, result.low, result.high};
       if (metric == margin_metric_) {
         for (std::size_t m = 0; m < values.rows(); ++m) {
           series.not_finite += static_cast<std::size_t>(
@@ -217,10 +232,9 @@ class Summariser {
     return true;
   }
 
-  void fill_margin(const std::vector<Matrix<double>>& kept, Series& series) {
-    std::vector<Cell> cells;
-    for (const Matrix<double>& matrix : kept) cells.push_back(matrix.view());
+  void fill_margin(const MarginScores& kept, Series& series) {
     const std::vector<double>& levels = study_.sweeps[series.sweep].axes.front().values;
+    const std::vector<Cell> cells = kept.cells(levels.size());
     series.margin = margin({levels, cells}, {}, margins_);
     series.has_margin = true;
   }
@@ -228,6 +242,7 @@ class Summariser {
   const Study& study_;
   const Plan& plan_;
   const Store& store_;
+  std::vector<std::size_t> metrics_;
   std::size_t margin_metric_;
   std::size_t survival_;
   Bootstrap bands_;
@@ -243,6 +258,22 @@ std::size_t margin_metric_of(const Study& study) {
 }
 
 }  // namespace
+
+const Estimate& Series::at(std::size_t metric, std::size_t cell) const {
+  const auto place = std::ranges::find(metrics, metric);
+  GUST_CHECK(place != metrics.end());
+  return values[static_cast<std::size_t>(place - metrics.begin()) * cells + cell];
+}
+
+std::vector<std::size_t> summarised_metrics(const Study& study) {
+  std::vector<std::size_t> metrics = study.metrics;
+  const std::size_t more[] = {study.metric_set.index("survival", {}), study.metric_set.index("saturation", {}),
+                              margin_metric_of(study)};
+  for (const std::size_t metric : more) {
+    if (std::ranges::find(metrics, metric) == metrics.end()) metrics.push_back(metric);
+  }
+  return metrics;
+}
 
 const Series* Summary::find(std::size_t policy, std::size_t sweep, std::size_t start) const {
   for (const Series& item : series) {

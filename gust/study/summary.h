@@ -19,14 +19,16 @@ struct Series {
   std::size_t sweep = Trial::kNominal;
   std::size_t start = 0;
   std::size_t cells = 0;
-  std::vector<Estimate> values = {};  ///< [metric][cell], metrics as in MetricSet
-  Unit unit = Unit::none;             ///< what the intervals were resampled over
+  std::vector<std::size_t> metrics = {};  ///< which ones: summarised_metrics()
+  std::vector<Estimate> values = {};      ///< [metric][cell]
+  Unit unit = Unit::none;                 ///< what the intervals were resampled over
   std::size_t units = 0;
   Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
   bool has_margin = false;
   std::size_t not_finite = 0;  ///< episodes with numbers that were none
 
-  const Estimate& at(std::size_t metric, std::size_t cell) const { return values[metric * cells + cell]; }
+  /// One of `metrics` in a cell.
+  const Estimate& at(std::size_t metric, std::size_t cell) const;
 };
 
 struct ClaimVerdict {
@@ -46,6 +48,10 @@ struct Summary {
   /// The series of a policy, sweep and start; null if its trials are missing.
   const Series* find(std::size_t policy, std::size_t sweep, std::size_t start) const;
 };
+
+/// The metrics that a summary holds: those that the page leads with, survival, saturation and the score of the margins.
+/// The store and what is exported from it hold all.
+std::vector<std::size_t> summarised_metrics(const Study& study);
 
 /// Reads the trials of a plan from the store as a stream and summarises them. Equal trials give equal bits for any
 /// number of threads.

@@ -76,6 +76,28 @@ TEST_CASE("TOML nested beyond reason is refused before it costs stack") {
   CHECK(error_of(mixed).find("nested more than 32 deep") != std::string::npos);
 }
 
+TEST_CASE("a TOML header without a key is one error with its place") {
+  for (const std::string header : {"[=]", "[[=", "[+]", "[.a]", "[{", "[#", "[[[", "[ \n]", "[\x01]", "[a.=]", "["}) {
+    CAPTURE(header);
+    CHECK(starts(error_of("x = 1\n" + header), "s.toml:2:"));
+  }
+  CHECK(starts(error_of("x = 1\n[[" + std::string(3, '\0')), "s.toml:2:"));
+}
+
+TEST_CASE("TOML letters beyond ASCII are text within quotes and an error elsewhere, whatever their script") {
+  for (const std::string letter : {"é", "θ", "ж", "ꙮ", "日", "，", "“", "ﻼ", "\uFEFE", "😀"}) {
+    CAPTURE(letter);
+    const Table table =
+        parse_toml("a = \"" + letter + "\"\nb = \"\"\"\\\n  " + letter + "\"\"\" # " + letter, "s.toml");
+    CHECK(table.find("a")->as_text("a") == letter);
+    CHECK(table.find("b")->as_text("b") == letter);
+    CHECK(starts(error_of("a = 1\n" + letter + " = 1\n"), "s.toml:2:"));
+    CHECK(starts(error_of("a = 1\nb" + letter + " = 1\n"), "s.toml:2:"));
+    CHECK(starts(error_of("a = 1\nb = 1" + letter + "\n"), "s.toml:2:"));
+    CHECK(starts(error_of("a = 1\nb = \"\\" + letter + "\"\n"), "s.toml:2:"));
+  }
+}
+
 TEST_CASE("TOML text with many dots in strings, comments and lists of numbers is no deep key") {
   std::string text = "# " + std::string(100, '.') + "\na = \"" + std::string(100, '.') + "\"\nb = '''" +
                      std::string(100, '.') + "'''\nc = [0.1";

@@ -4,8 +4,9 @@ import re
 import subprocess
 
 import pytest
-from conftest import PROGRAM
+from conftest import PROGRAM, ROOT
 
+DEMO = ROOT / "studies/demo.toml"
 EVAL = ["eval", "lqr", "--plant", "cartpole"]
 STEP = [*EVAL, "--site", "action", "--waveform", "step", "--level", "1"]
 TRAIN = ["train", "ppo", "--plant", "cartpole", "--preset", "scg-2022"]
@@ -61,6 +62,21 @@ MISTAKES = [
     (["describe", "waveform", "sien"], "unknown waveform 'sien'; did you mean 'sine'?"),
     (["completion", "bsh"], "unknown shell 'bsh'; did you mean 'bash'?"),
     (["preview", "missing.toml"], "missing.toml"),
+    (["run"], "STUDY is required"),
+    (["run", "/dev/null"], "/dev/null:1:1: a study begins with 'schema = 1'"),
+    (["run", "/dev/zero"], "/dev/zero: cannot read: longer than"),
+    (["run", "."], ".: cannot read: Is a directory"),
+    (["plan", DEMO, "--set", "evaluate=5"], "'evaluate' must be a table"),
+    (["plan", DEMO, "--set", "policy.lqr=3"], "'policy' must be a table"),
+    (["plan", DEMO, "--set", "policy.lqt.r=3"], "the study has no 'lqt' there"),
+    (["plan", DEMO, "--set", "name=../../x"], "no slashes, no leading dot, got '../../x'"),
+    (["plan", DEMO, "--set", "claim.step-3N.where.level=4"], "sweep 'action step' has no level 4; it has [0, 1.5, 3"),
+    (["plan", DEMO, "--set", "claim.nominal.holds=survival => 1"], "column 10: expected >=, >, <= or <"),
+    (["run", DEMO, "--threads", "0"], "not in range 1 to 1024"),
+    (["run", DEMO, "--out", "/proc/x"], "/proc/x: cannot make the folder"),
+    (["report", "."], ".: holds no study; give the folder that 'gust run' left"),
+    (["export", "."], "where to? give --csv FILE, --sqlite FILE, or both"),
+    (["validate", "recording.csv"], "is recording.json meant?"),
     (TRAIN, "--out is required"),
     ([*TRAIN, "--out", "ppo.txt"], "must end in .onnx"),
     (["train", "pop", "--plant", "cartpole", "--out", "p.onnx"], "unknown agent 'pop'; did you mean 'ppo'?"),
@@ -71,7 +87,7 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "message"), MISTAKES, ids=[" ".join(mistake[0]) for mistake in MISTAKES])
+@pytest.mark.parametrize(("arguments", "message"), MISTAKES, ids=[" ".join(map(str, mistake[0])) for mistake in MISTAKES])
 def test_mistake_is_told_in_one_line(gust, tmp_path, arguments, message):
     done = gust(*arguments, code=2, seconds=20)
     assert done.stdout == ""

@@ -1,6 +1,7 @@
-"""The invented pages of fixture.h, in a browser."""
+"""The pages that the tests open in a browser: the invented ones of fixture.h, and any file."""
 
 import os
+import pathlib
 import subprocess
 
 import pytest
@@ -34,7 +35,7 @@ def fixture_file(build, tmp_path_factory):
 
 @pytest.fixture
 def opened(browser, fixture_file):
-    """opened("demo", viewport=PHONE, ...): the page, ready; in the end it must not have complained."""
+    """opened("demo", viewport=PHONE, ...): an invented page or a file, ready; in the end it must not have complained."""
     contexts = []
     complaints = Complaints()
 
@@ -43,7 +44,8 @@ def opened(browser, fixture_file):
         contexts.append(context)
         page = context.new_page()
         complaints.watch(page)
-        page.goto(fixture_file(kind).as_uri(), wait_until="commit")
+        path = kind if isinstance(kind, pathlib.Path) else fixture_file(kind)
+        page.goto(path.as_uri(), wait_until="commit")
         page.wait_for_selector("html[data-ready]", state="attached", timeout=60000)
         return page
 

@@ -15,11 +15,12 @@ void command_export(CLI::App& app, int&) {
   CLI::Option* csv = command->add_option("--csv", options->csv, "CSV file: a row an episode and metric, in plan order");
   CLI::Option* sqlite =
       command->add_option("--sqlite", options->sqlite, "SQLite file: the same, and the learning curves");
-  command->require_option(2, 3);
   csv->type_name("FILE");
   sqlite->type_name("FILE");
   command->footer("Example:\n  gust export demo.gust --csv demo.csv");
   command->callback([options] {
+    if (options->csv.empty() && options->sqlite.empty())
+      throw Error("where to? give --csv FILE, --sqlite FILE, or both (gust export --help)");
     const OpenStudy open = open_study(options->folder);
     if (!options->csv.empty()) export_csv(open.study, open.plan, *open.store, options->csv);
     if (!options->sqlite.empty()) export_sqlite(open.study, open.plan, *open.store, options->sqlite);

@@ -1,0 +1,80 @@
+#include "gust/eval/metric.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+namespace gust {
+namespace {
+
+/// An episode that failed in step 4 of 8 and went on to fall; all sums are exact in binary.
+Episode fallen() {
+  Episode episode;
+  episode.ended = {.steps = 4,
+                   .return_sum = 3.0,
+                   .return_commanded = 3.0,
+                   .return_disturbed = 2.5,
+                   .squared_error = 16.0,
+                   .squared_masked_error = 1.0,
+                   .saturated_steps = 1,
+                   .max_abs_state = {0.5, 2.0, 1.75, 4.0},
+                   .final_state = {}};
+  episode.whole = {.steps = 8,
+                   .return_sum = 3.5,
+                   .return_commanded = 3.5,
+                   .return_disturbed = 3.0,
+                   .squared_error = 128.0,
+                   .squared_masked_error = 64.0,
+                   .saturated_steps = 5,
+                   .max_abs_state = {9.0, 9.0, 9.0, 9.0},
+                   .final_state = {}};
+  episode.failed = true;
+  episode.safe_steps = 4;
+  episode.control_rate = 8.0;
+  episode.horizon = 8;
+  episode.angle = 2;
+  return episode;
+}
+
+double value_of(std::string_view name, const Episode& episode) {
+  const MetricSet metrics;
+  return metrics[metrics.index(name, {})].value(episode);
+}
+
+TEST_CASE("every metric of an episode that failed halfway is what its definition says") {
+  const Episode episode = fallen();
+
+  CHECK(value_of("return_sum", episode) == 3.0);
+  CHECK(value_of("length", episode) == 4.0);
+  CHECK(value_of("anr", episode) == 0.75);        // over the steps that were done
+  CHECK(value_of("anr_h", episode) == 0.375);     // over the horizon
+  CHECK(value_of("anr_nt", episode) == 0.4375);   // as if failure ended nothing
+  CHECK(value_of("rmse_paper", episode) == 4.0);  // all components, to the horizon
+  CHECK(value_of("rmse_scg", episode) == 0.5);    // weighted components, to the end
+  CHECK(value_of("rmse_sum", episode) == 4.0);
+  CHECK(value_of("survival", episode) == 0.0);
+  CHECK(value_of("time_to_failure", episode) == 0.5);
+  CHECK(value_of("saturation", episode) == 0.25);
+  CHECK(value_of("max_abs_x", episode) == 0.5);
+  CHECK(value_of("max_abs_theta", episode) == 1.75);
+}
+
+TEST_CASE("an episode that stands to the horizon survives, and its length is the horizon") {
+  Episode episode = fallen();
+  episode.ended = episode.whole;
+  episode.failed = false;
+  episode.safe_steps = 8;
+
+  CHECK(value_of("survival", episode) == 1.0);
+  CHECK(value_of("length", episode) == 8.0);
+  CHECK(value_of("time_to_failure", episode) == 1.0);
+  CHECK(value_of("anr", episode) == value_of("anr_h", episode));
+}
+
+TEST_CASE("an unknown metric is an error with the nearest name") {
+  CHECK_THROWS_WITH_AS(MetricSet().index("survivel", {"study.toml", 3, 4}),
+                       doctest::Contains("study.toml:3:4: unknown metric 'survivel'; did you mean 'survival'?"), Error);
+}
+
+}  // namespace
+}  // namespace gust

@@ -1,0 +1,105 @@
+#include "gust/report/study_page.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "gust/study/study_fixture.h"
+
+namespace gust {
+namespace {
+
+using test::changed;
+using test::ScratchFolder;
+using test::small_study;
+
+/// The page of a study that was run in a folder of its own.
+Page page_of(Study study) {
+  const ScratchFolder folder("gust-study-page");
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
+  const Summary summary = summarise(study, outcome.plan, store, 1);
+  return study_page(study, outcome.plan, store, summary,
+                    {"gust run small.toml", "gust export small.gust --csv small.csv", {}, {"a warning"}});
+}
+
+TEST_CASE("the page of a study has a curve for each sweep, policy, start and metric") {
+  const Page page = page_of(small_study());
+
+  CHECK(page.sweeps.size() == 2);
+  CHECK(page.policies.size() == 2);
+  CHECK(page.curves.size() == 2 * 2 * 2 * page.metrics.size());
+  CHECK(page.metrics[0].name == "anr_h");
+  CHECK(page.metrics[page.survival_metric].name == "survival");
+  CHECK(page.metrics[page.saturation_metric].name == "saturation");
+  CHECK(page.metrics[page.margin_metric].name == "anr_h");
+  for (const Page::Curve& curve : page.curves) CHECK(curve.band.value.size() == page.sweeps[curve.sweep].levels.size());
+  CHECK(page.margins.size() == 2 * 2 * 2);
+  REQUIRE(page.claims.size() == 1);
+  CHECK(page.claims[0].verdict == Page::Verdict::kHolds);
+  CHECK(page.warnings == std::vector<std::string>{"a warning"});
+  CHECK(page.run_command == "gust run small.toml");
+}
+
+TEST_CASE("margins of a score that the page does not lead with are still named by it") {
+  const Page page = page_of(small_study({"evaluate.metrics=[\"rmse_paper\", \"survival\"]"}));
+
+  CHECK(page.metrics[0].name == "rmse_paper");
+  CHECK(page.metrics[page.margin_metric].name == "anr_h");
+}
+
+TEST_CASE("the worst cells come first and lead to the episodes that were kept of them") {
+  const Page page = page_of(small_study());
+
+  REQUIRE(page.worst.size() == 8);
+  CHECK(std::ranges::is_sorted(page.worst, {}, [](const Page::WorstCell& cell) { return cell.score.value; }));
+  std::size_t linked = 0;
+  for (const Page::WorstCell& cell : page.worst) {
+    if (cell.episode == Page::kNone) continue;
+    ++linked;
+    const Page::Episode& episode = page.episodes[cell.episode];
+    CHECK(episode.policy == cell.policy);
+    CHECK(episode.sweep == cell.sweep);
+    CHECK(episode.level == cell.level);
+    for (std::size_t e = 0; e < cell.episode; ++e) {
+      const Page::Episode& before = page.episodes[e];  // none that fits better, and the first of a trial is the worst
+      CHECK((before.policy != cell.policy || before.sweep != cell.sweep || before.level != cell.level ||
+             before.start != cell.start));
+    }
+  }
+  CHECK(linked > 0);
+}
+
+TEST_CASE("a kept episode is whole, and what fell says of what") {
+  const Page page = page_of(small_study());
+
+  REQUIRE(page.episodes.size() == 2 * 3 * 2);  // policies, sweeps and the nominal case, worst and median
+  for (const Page::Episode& episode : page.episodes) {
+    CHECK(episode.states.size() == 4);
+    CHECK(episode.states[0].values.size() == episode.reward.size() + 1);
+    CHECK((episode.failed_step == Page::kNone) == episode.failure.empty());
+  }
+  const auto fell = std::ranges::find_if(page.episodes, [](const auto& one) { return !one.failure.empty(); });
+  REQUIRE(fell != page.episodes.end());
+  CHECK(fell->failure.find_first_of("<>") != std::string::npos);
+}
+
+TEST_CASE("a sweep over two parameters becomes a map") {
+  const std::string text = changed("[report]", R"([[sweep]]
+name = "both"
+grid = { pole_mass = [0.1, 0.2, 0.3], cart_mass = [1, 2] }
+
+[report])");
+
+  const Page page = page_of(small_study({}, text));
+
+  CHECK(page.sweeps.size() == 2);
+  REQUIRE(page.grids.size() == 1);
+  CHECK(page.grids[0].rows.name == "pole_mass");
+  CHECK(page.grids[0].columns.name == "cart_mass");
+  CHECK(page.grids[0].layers.size() == 2 * 2 * page.metrics.size());
+  for (const Page::Grid::Layer& layer : page.grids[0].layers) CHECK(layer.values.size() == 6);
+}
+
+}  // namespace
+}  // namespace gust
