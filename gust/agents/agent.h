@@ -58,6 +58,8 @@ class Agent {
   virtual ~Agent() = default;
 
   virtual std::int64_t steps() const = 0;  ///< environment steps of a full training
+  /// Bytes that grow during a training of this plant, at their most: a memory of transitions.
+  virtual std::uint64_t memory(const PlantSpec&) const { return 0; }
   virtual std::unique_ptr<Training> start(const TrainingTask& task) const = 0;
 };
 

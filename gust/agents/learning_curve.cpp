@@ -45,10 +45,10 @@ CurvePoint measure_actor(const TrainingTask& task, const ActorNetwork& actor, Rn
   return point;
 }
 
-void LearningCurve::follow(const ActorNetwork& actor, std::int64_t steps, bool last) {
+void LearningCurve::follow(const Training& training, std::int64_t steps, bool last) {
   const std::int64_t passed = points_.empty() ? -1 : points_.back().steps / kStepsBetweenPoints;
   if (steps / kStepsBetweenPoints == passed && !last) return;
-  points_.push_back(measure_actor(task_, actor, rng_.split(points_.size())));
+  points_.push_back(measure_actor(task_, training.actor(), rng_.split(points_.size())));
   points_.back().steps = steps;
 }
 

@@ -18,8 +18,8 @@ class LearningCurve {
 
   const std::vector<CurvePoint>& points() const { return points_; }
 
-  /// Adds the point that is due after `steps` steps, if one is.
-  void follow(const ActorNetwork& actor, std::int64_t steps, bool last);
+  /// Adds the point that is due after `steps` steps of a training, if one is.
+  void follow(const Training& training, std::int64_t steps, bool last);
 
   template <class Archive, class Self>
   static void archive(Archive& archive, Self& self) {

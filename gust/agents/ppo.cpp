@@ -112,7 +112,7 @@ std::int64_t PpoTraining::total_steps() const {
 
 void PpoTraining::advance() {
   if (done()) return;
-  if (curve_.points().empty()) curve_.follow(actor(), 0, false);
+  if (curve_.points().empty()) curve_.follow(*this, 0, false);
   const double progress = static_cast<double>(steps_) / static_cast<double>(total_steps());
   collect();
   learner_.assess(rollout_);
@@ -126,7 +126,7 @@ void PpoTraining::advance() {
     failure_ = cat("the network's parameters are no finite numbers after ", steps_, " steps");
     return;
   }
-  curve_.follow(actor(), steps_, done());
+  curve_.follow(*this, steps_, done());
 }
 
 /// One rollout with the stochastic policy; the environments go on where they stood.

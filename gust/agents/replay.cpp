@@ -8,18 +8,6 @@ std::uint64_t replay_bytes(const TransitionShape& shape, std::int64_t capacity) 
   return static_cast<std::uint64_t>(capacity) * shape.width() * sizeof(float);
 }
 
-void check_replay(const TransitionShape& shape, std::int64_t capacity, std::int64_t batch, const Place& place) {
-  constexpr std::uint64_t kMost = std::uint64_t{16} << 30;
-  if (batch > capacity) {
-    throw error_at(place, "'batch' must be at most 'buffer' = ", capacity, ", got ", batch);
-  }
-  const std::uint64_t bytes = replay_bytes(shape, capacity);
-  if (bytes > kMost) {
-    throw error_at(place, "a 'buffer' of ", capacity, " transitions takes ", bytes, " bytes of memory; at most ", kMost,
-                   " are allowed, ", kMost / (shape.width() * sizeof(float)), " transitions");
-  }
-}
-
 void Replay::add(const Transition& transition) {
   const std::size_t width = shape_.width();
   if (size_ < capacity_) {

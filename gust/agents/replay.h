@@ -5,7 +5,6 @@
 
 #include "gust/agents/archive.h"
 #include "gust/core/rng.h"
-#include "gust/core/value.h"
 #include "gust/nn/buffer.h"
 
 namespace gust {
@@ -37,10 +36,6 @@ struct Transition {
 
 /// The bytes that so many transitions take when all are there.
 std::uint64_t replay_bytes(const TransitionShape& shape, std::int64_t capacity);
-
-/// An Error at the place if a minibatch is larger than the memory, or if the memory would take more than 16 GiB: it
-/// says how many bytes.
-void check_replay(const TransitionShape& shape, std::int64_t capacity, std::int64_t batch, const Place& place);
 
 /// The last transitions of a training, in float32, each one row side by side. It grows as it is filled; when it is full
 /// the oldest goes.

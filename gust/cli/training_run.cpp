@@ -8,12 +8,12 @@
 #include "gust/core/version.h"
 #include "gust/nn/onnx.h"
 #include "gust/study/agent_options.h"
+#include "gust/study/checkpoint.h"
 #include "gust/study/files.h"
 
 namespace gust {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kBetweenCheckpoints{10};
 
 std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
@@ -50,7 +50,7 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   if (!out_.ends_with(".onnx")) throw Error(cat("--out: '", out_, "' must end in .onnx"));
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
-  agent_ = agents().make(resolve_agent(settings.agent, setup_));
+  agent_ = make_agent(settings.agent, setup_);
   identity_ = hash_hex(cat("gust ", kVersion, "\n", agent_.canonical, "\n", setup_.preset, "\n", setup_.plant.canonical,
                            "\n", canonical_fields(setup_.readings), "\nseed ", seed_));
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
@@ -59,13 +59,10 @@ TrainingRun::TrainingRun(const TrainRequest& request)
 }
 
 TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::function<void(double)>& tell) {
-  Clock::time_point kept = Clock::now();
+  CheckpointPace pace(kBetweenCheckpoints);
   while (!training_->done()) {
     const bool stopping = stop.stop_requested();
-    if (stopping || Clock::now() - kept > kBetweenCheckpoints) {
-      keep();
-      kept = Clock::now();
-    }
+    if (stopping || pace.due()) pace.keep([&] { keep(); });
     if (stopping) return End::stopped;
     training_->advance();
     tell(static_cast<double>(steps()) / static_cast<double>(total_steps()));

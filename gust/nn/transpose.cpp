@@ -1,5 +1,7 @@
 #include "gust/nn/transpose.h"
 
+#include <algorithm>
+
 #include "gust/nn/vec.h"
 
 namespace gust {
@@ -34,11 +36,13 @@ void transpose(const T* from, T* to, std::size_t rows, std::size_t columns) {
   std::size_t whole_rows = 0;
   std::size_t whole_columns = 0;
   if constexpr (sizeof(T) == sizeof(float)) {
+    // Sixteen columns at a time, so that whole cache lines are read, and few are open where it is written.
     whole_rows = rows / 8 * 8;
     whole_columns = columns / 8 * 8;
-    for (std::size_t row = 0; row < whole_rows; row += 8)
-      for (std::size_t column = 0; column < whole_columns; column += 8)
-        transpose_square(from + row * columns + column, columns, to + column * rows + row, rows);
+    for (std::size_t first = 0; first < whole_columns; first += 16)
+      for (std::size_t row = 0; row < whole_rows; row += 8)
+        for (std::size_t column = first; column < std::min(first + 16, whole_columns); column += 8)
+          transpose_square(from + row * columns + column, columns, to + column * rows + row, rows);
   }
   for (std::size_t row = 0; row < rows; ++row)
     for (std::size_t column = row < whole_rows ? whole_columns : 0; column < columns; ++column)

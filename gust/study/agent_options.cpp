@@ -1,5 +1,7 @@
 #include "gust/study/agent_options.h"
 
+#include <unistd.h>
+
 #include "gust/study/presets.h"
 
 namespace gust {
@@ -14,6 +16,20 @@ Table resolve_agent(const Table& agent, const Setup& setup) {
   options.erase("profile");
   options.place = agent.place;
   return options;
+}
+
+void check_memory(std::uint64_t needed, std::uint64_t available, const Place& place) {
+  if (needed <= available) return;
+  throw error_at(place, "the agent's 'buffer' would take ", needed,
+                 " bytes of memory when it is full, and the machine has ", available, "; use a smaller one");
+}
+
+Made<Agent> make_agent(const Table& agent, const Setup& setup) {
+  Made<Agent> made = agents().make(resolve_agent(agent, setup));
+  const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
+  check_memory(made->memory(setup.plant->spec()), pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE)),
+               agent.place);
+  return made;
 }
 
 }  // namespace gust

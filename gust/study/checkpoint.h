@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -7,6 +9,31 @@
 #include "gust/study/store.h"
 
 namespace gust {
+
+/// When a checkpoint is due: no sooner than `least` after the last one, and so seldom that writing them takes at most a
+/// fiftieth of the time, for the memory of a training may have a hundred megabytes.
+class CheckpointPace {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit CheckpointPace(Clock::duration least) : least_(least), wait_(least), last_(Clock::now()) {}
+
+  bool due() const { return Clock::now() - last_ > wait_; }
+
+  /// Writes a checkpoint by calling `write`.
+  template <class Write>
+  void keep(Write&& write) {
+    const Clock::time_point start = Clock::now();
+    write();
+    last_ = Clock::now();
+    wait_ = std::max(least_, 50 * (last_ - start));
+  }
+
+ private:
+  Clock::duration least_;
+  Clock::duration wait_;
+  Clock::time_point last_;
+};
 
 /// Keeps the state of a training in progress: STORE/checkpoints/<id>, replaced whole or not at all. Committing the
 /// trial removes it.

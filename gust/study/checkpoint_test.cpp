@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "gust/study/files_test_folder.h"
 
 using namespace gust;
@@ -59,4 +62,17 @@ TEST_CASE("a checkpoint goes when its trial is committed, or when a finished tri
   const Store next(folder / "store", Store::Access::write);
   CHECK(!load_checkpoint(next, "a"));
   CHECK(load_checkpoint(next, "b"));
+}
+
+TEST_CASE("checkpoints that take long to write are written seldom") {
+  using namespace std::chrono_literals;
+  CheckpointPace pace(1ms);
+  CHECK_FALSE(pace.due());
+  std::this_thread::sleep_for(2ms);
+  CHECK(pace.due());
+
+  pace.keep([] { std::this_thread::sleep_for(20ms); });
+  std::this_thread::sleep_for(100ms);
+
+  CHECK_FALSE(pace.due());  // not before a second has passed
 }

@@ -79,7 +79,7 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
     policy.disturbed = parse_disturb(*disturb, study.setup.plant->spec());
     options.erase("disturb");
   }
-  policy.agent = agents().make(resolve_agent(options, study.setup));
+  policy.agent = make_agent(options, study.setup);
   policy.seeds = {1};
   if (const Value* seeds = table.find("seeds")) policy.seeds = parse_seeds(*seeds);
 }

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "gust/agents/agent.h"
+#include "gust/study/agent_options.h"
 #include "gust/study/presets.h"
 #include "gust/study/toml.h"
 
@@ -109,9 +110,10 @@ TEST_CASE("every preset of every plant makes a setup and says all of its options
 
 TEST_CASE("every profile of an agent says all of its options") {
   for (const Entry<Agent>& entry : agents().entries()) {
-    for (const char* profile : {"scg-2022", "scg-default", "modern"}) {
-      CAPTURE(profile);
-      const Table options = agent_profile(entry.name, "cartpole", profile);
+    for (const Preset& preset : presets()) {
+      if (!has_agent_profile(preset, entry.name, "cartpole")) continue;
+      CAPTURE(preset.name);
+      const Table options = agent_profile(entry.name, "cartpole", preset.name);
 
       CHECK_NOTHROW(entry.make(options));
       for (const FieldInfo& field : entry.fields) CHECK(options.contains(field.name));
@@ -119,13 +121,34 @@ TEST_CASE("every profile of an agent says all of its options") {
   }
 }
 
-TEST_CASE("the profile scg-2022 of PPO is what PPO does by itself, and modern is not") {
+TEST_CASE("the profile scg-2022 of an agent is what it does by itself, and modern is not") {
+  for (const char* name : {"ppo", "sac"}) {
+    const Entry<Agent>& agent = agents().at(name);
+    const std::string standard = agent.make(Table{}).canonical;
+
+    CHECK(agent.make(agent_profile(name, "cartpole", "scg-2022")).canonical == standard);
+    CHECK(agent.make(agent_profile(name, "cartpole", "scg-default")).canonical == standard);
+  }
   const Entry<Agent>& ppo = agents().at("ppo");
   const std::string standard = ppo.make(Table{}).canonical;
-
-  CHECK(ppo.make(agent_profile("ppo", "cartpole", "scg-2022")).canonical == standard);
-  CHECK(ppo.make(agent_profile("ppo", "cartpole", "scg-default")).canonical == standard);
   CHECK(ppo.make(agent_profile("ppo", "cartpole", "modern")).canonical != standard);
+}
+
+TEST_CASE("a memory that the machine cannot hold is an error with the bytes") {
+  Table plant;
+  plant.set("kind", {std::string("cartpole"), {}});
+  const Setup setup = make_setup(plant);
+  Table agent{{}, {"s.toml", 2, 1}};
+  agent.set("kind", {std::string("sac"), {}});
+  CHECK(make_agent(agent, setup)->memory(setup.plant->spec()) == 44'000'000);
+  agent.set("buffer", {std::int64_t{1'000'000'000'000}, {}});
+  agent.set("steps", {std::int64_t{1'000'000'000'000}, {}});
+
+  CHECK_THROWS_AS(make_agent(agent, setup), Error);
+  CHECK_THROWS_WITH_AS(check_memory(44'000, 43'999, {"s.toml", 2, 1}),
+                       "s.toml:2:1: the agent's 'buffer' would take 44000 bytes of memory when it is full, and the "
+                       "machine has 43999; use a smaller one",
+                       Error);
 }
 
 TEST_CASE("a profile that is not there is an error with the nearest name, and is no preset of a plant") {

@@ -16,7 +16,6 @@
 namespace gust {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kBetweenCheckpoints{2};
 
 Outcome failure(std::string reason) { return {Outcome::State::failed, std::move(reason)}; }
@@ -24,13 +23,10 @@ Outcome failure(std::string reason) { return {Outcome::State::failed, std::move(
 /// Advances to the end, keeping checkpoints; false if it was stopped before.
 bool train_to_end(Training& training, const Store& store, const std::string& id, std::stop_token stop,
                   ProgressSink& progress) {
-  Clock::time_point saved = Clock::now();
+  CheckpointPace pace(kBetweenCheckpoints);
   while (!training.done()) {
     const bool stopping = stop.stop_requested();
-    if (stopping || Clock::now() - saved > kBetweenCheckpoints) {
-      save_checkpoint(store, id, training.save());
-      saved = Clock::now();
-    }
+    if (stopping || pace.due()) pace.keep([&] { save_checkpoint(store, id, training.save()); });
     if (stopping) return false;
     training.advance();
     progress.set(static_cast<double>(training.steps()) / static_cast<double>(training.total_steps()));

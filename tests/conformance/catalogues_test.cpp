@@ -160,8 +160,11 @@ TEST_CASE("every agent resumes from its own state as if it had not stopped") {
   const auto plant = standard(plants(), "cartpole");
   for (const std::string& name : agents().names()) {
     CAPTURE(name);
-    const auto agent =
-        agents().make(Table{{{"kind", {name, {"test"}}}, {"steps", {std::int64_t{4'000}, {"test"}}}}, {"test"}});
+    const Table options{{{"kind", {name, {"test"}}},
+                         {"steps", {std::int64_t{4'000}, {"test"}}},
+                         {"hidden", {std::int64_t{32}, {"test"}}}},
+                        {"test"}};
+    const auto agent = agents().make(options);
     const TrainingTask task{plant.object.get(), {}, {}, 1};
 
     const auto whole = agent->start(task);
