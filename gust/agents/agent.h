@@ -8,18 +8,21 @@
 #include "gust/control/closed_loop.h"
 #include "gust/core/catalog.h"
 #include "gust/nn/actor_network.h"
+#include "gust/sim/randomise.h"
 
 namespace gust {
 
-/// What an agent trains on. Plant and injections must outlive the training.
+/// What an agent trains on. Plant, injections and draws must outlive the training.
 struct TrainingTask {
   const Plant* plant = nullptr;
   Readings readings;
-  std::span<const Injection> injections;  ///< on during training, each at its own level
-  std::int64_t seed = 0;                  ///< of every random stream of the training
+  std::span<const Injection> injections;           ///< on during training, each at its own level
+  std::int64_t seed = 0;                           ///< of every random stream of the training
+  std::span<const ParameterDraw> randomised = {};  ///< parameters that every episode of the training draws anew
 };
 
-/// Ten deterministic episodes from the training distribution, without any disturbance (algorithms 0.7).
+/// Ten deterministic episodes from the starts of the training, without any disturbance, with nominal parameters
+/// (algorithms 0.7).
 struct CurvePoint {
   std::int64_t steps = 0;  ///< environment steps of the training so far
   double return_mean = 0;  ///< of the return sum, the episode ending at failure

@@ -22,7 +22,7 @@ void Environments::begin(std::size_t lane) {
   const Rng episode = rng_.split(lane).split(episodes_[lane]);
   EpisodeStart start;
   start.state = random_start(spec(), episode);
-  start.parameters = nominal_parameters(spec());
+  start.parameters = draw_parameters(task_.randomised, spec(), episode);
   for (const Injection& injection : task_.injections) start.levels.push_back(injection.level);
   if (!task_.injections.empty()) start.signals = std::make_shared<Signals>(task_.injections, spec(), episode);
   loop_.begin(lane, start);

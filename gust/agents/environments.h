@@ -8,7 +8,8 @@ namespace gust {
 /// The environments of a training, stepped together. An episode that ends, by failure or at its last step, is followed
 /// at once by the next of the same environment (algorithms 0.6).
 ///
-/// Episode n of environment i has its own random streams for start and disturbances: nothing else moves them.
+/// Episode n of environment i has its own random streams for start, parameters and disturbances: nothing else moves
+/// them.
 class Environments {
  public:
   /// The task must outlive the environments.

@@ -79,6 +79,10 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
     policy.disturbed = parse_disturb(*disturb, study.setup.plant->spec());
     options.erase("disturb");
   }
+  if (const Value* randomise = options.find("randomise")) {
+    policy.randomised = parse_randomise(*randomise, study.setup);
+    options.erase("randomise");
+  }
   policy.agent = agents().make(resolve_agent(options, study.setup));
   policy.seeds = {1};
   if (const Value* seeds = table.find("seeds")) policy.seeds = parse_seeds(*seeds);
