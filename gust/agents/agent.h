@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gust/control/closed_loop.h"
+#include "gust/control/adversary.h"
 #include "gust/core/catalog.h"
 #include "gust/nn/actor_network.h"
 #include "gust/sim/randomise.h"
@@ -31,6 +31,13 @@ struct CurvePoint {
   double anr = 0;    ///< return / length
   double anr_h = 0;  ///< return / horizon
   double rmse_scg = 0;
+  std::int64_t protagonist_steps = 0;  ///< those that the policy itself has learned from
+};
+
+/// An adversary that a policy was trained against, and where it acts.
+struct TrainedAdversary {
+  ActorNetwork actor;
+  AdversarySite against;
 };
 
 /// A training in progress. One thread at a time; equal tasks and options give equal bits.
@@ -49,6 +56,9 @@ class Training {
   /// The deterministic actor as it is now: observation in, action in the policy's unit out.
   virtual ActorNetwork actor() const = 0;
 
+  /// The adversaries as they are now; none if the policy learns by itself.
+  virtual std::vector<TrainedAdversary> adversaries() const { return {}; }
+
   /// The whole state between two iterations. A training that loads it goes on exactly as the saved one would have.
   virtual std::string save() const = 0;
   /// Throws Error if the bytes are no state of such a training.
@@ -61,6 +71,8 @@ class Agent {
   virtual ~Agent() = default;
 
   virtual std::int64_t steps() const = 0;  ///< environment steps of a full training
+  /// Throws Error at the place if it cannot train on such a plant.
+  virtual void check(const PlantSpec& /*spec*/, const Place& /*place*/) const {}
   virtual std::unique_ptr<Training> start(const TrainingTask& task) const = 0;
 };
 

@@ -142,6 +142,66 @@ TEST_CASE("environments with drawn parameters go on from saved bytes as if they 
     CHECK(whole.observation().at(2, lane) == resumed.observation().at(2, lane));
 }
 
+TEST_CASE("environments with an adversary go on from saved bytes as if they had never stopped, at every site") {
+  const auto plant = cartpole();
+  const TrainingTask task{plant.object.get(), {}, {}, 1};
+  for (const Site site : kSites) {
+    const AdversarySite against{.site = site, .scale = 0.5};
+    Environments whole(task, 3, Rng(1), against), resumed(task, 3, Rng(1), against);
+    const auto step = [&](Environments& environments, std::uint64_t k) {
+      const Matrix<double> command(1, 3, 0.3);
+      Matrix<double> adversary(environments.channels(), 3);
+      for (std::size_t i = 0; i < adversary.rows(); ++i)
+        for (std::size_t lane = 0; lane < 3; ++lane) adversary.at(i, lane) = Rng(6).split(lane).normal(4 * k + i);
+      environments.step(command.view(), adversary.view());
+    };
+    for (std::uint64_t k = 0; k < 90; ++k) step(whole, k);
+
+    Saver saver;
+    whole.save(saver);
+    const std::string bytes = saver.take();
+    Loader loader(bytes);
+    resumed.load(loader);
+
+    for (Environments* environments : {&whole, &resumed}) step(*environments, 90);
+    for (std::size_t lane = 0; lane < 3; ++lane) {
+      for (std::size_t i = 0; i < 4; ++i) CHECK(whole.observation().at(i, lane) == resumed.observation().at(i, lane));
+    }
+  }
+}
+
+TEST_CASE("8.5.8 environments whose adversary gives nothing are the plain ones, to the bit") {
+  const auto plant = cartpole();
+  const TrainingTask task{plant.object.get(), {}, {}, 1};
+  for (const Site site : kSites) {
+    Environments plain(task, 2, Rng(1)), against(task, 2, Rng(1), AdversarySite{.site = site, .scale = 0.1});
+    const Matrix<double> nothing(against.channels(), 2);
+    Matrix<double> command(1, 2);
+    for (std::uint64_t k = 0; k < 300; ++k) {
+      for (std::size_t lane = 0; lane < 2; ++lane) command.at(0, lane) = 0.3 * Rng(2).split(lane).normal(k);
+      plain.step(command.view());
+      against.step(command.view(), nothing.view());
+      for (std::size_t lane = 0; lane < 2; ++lane) {
+        REQUIRE(plain.reward()[lane] == against.reward()[lane]);
+        for (std::size_t i = 0; i < 4; ++i)
+          REQUIRE(plain.observation().at(i, lane) == against.observation().at(i, lane));
+      }
+    }
+  }
+}
+
+TEST_CASE("environments that restart begin new episodes") {
+  const auto plant = cartpole();
+  Environments environments({plant.object.get(), {}, {}, 1}, 2, Rng(1));
+  push(environments, 10, 0.1);
+
+  const double first = Environments({plant.object.get(), {}, {}, 1}, 2, Rng(1)).observation().at(0, 0);
+  environments.restart();
+
+  CHECK(environments.observation().at(1, 0) == 0.0);  // at rest
+  CHECK(environments.observation().at(0, 0) != first);
+}
+
 TEST_CASE("bytes that are no environments are an error") {
   const auto plant = cartpole();
   Environments environments({plant.object.get(), {}, {}, 1}, 2, Rng(1));

@@ -95,7 +95,7 @@ CatalogueKind distribution_kind() {
   CatalogueKind kind{"distribution", "distributions", {}};
   for (const Entry<Distribution>& entry : distributions().entries()) {
     CatalogueItem item = item_of(entry);
-    item.notes = {{"options", "a study gives all of them: none is assumed"}};
+    item.notes = {{"in a study", "every option is given: no default is assumed"}};
     item.example =
         cat("agent = { kind = \"ppo\", randomise = { pole_length = ", inline_table(entry.name, entry.fields), " } }");
     kind.items.push_back(std::move(item));

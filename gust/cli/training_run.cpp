@@ -55,6 +55,7 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
   agent_ = agents().make(resolve_agent(settings.agent, setup_));
+  agent_->check(setup_.plant->spec(), {"gust train"});
   if (settings.randomise) randomised_ = parse_randomise(*settings.randomise, setup_);
   const std::string drawn = randomised_.canonical(setup_.plant->spec());
   identity_ =

@@ -138,7 +138,8 @@ TEST_CASE("ranges that cannot be are errors that say what would be right") {
                        "pole_mass, cart_mass",
                        Error);
   CHECK_THROWS_WITH_AS(read({{"mode", text("additiv")}, {"pole_length", range(0.1, 1)}}),
-                       "test: 'mode' must be one of absolute, additive, got 'additiv'; did you mean 'additive'?", Error);
+                       "test: 'mode' must be one of absolute, additive, got 'additiv'; did you mean 'additive'?",
+                       Error);
   CHECK_THROWS_WITH_AS(read({{"pole_length", table({{"low", number(0.1)}})}}),
                        "test: 'pole_length' needs 'high': greatest value", Error);
   CHECK_THROWS_AS(read({{"pole_length", number(0.5)}}), Error);

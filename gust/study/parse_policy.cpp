@@ -84,6 +84,7 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
     options.erase("randomise");
   }
   policy.agent = agents().make(resolve_agent(options, study.setup));
+  policy.agent->check(study.setup.plant->spec(), agent->place);
   policy.seeds = {1};
   if (const Value* seeds = table.find("seeds")) policy.seeds = parse_seeds(*seeds);
 }

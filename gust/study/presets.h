@@ -11,8 +11,8 @@ namespace gust {
 /// A published set of options: studies/presets/NAME.toml, compiled into the program.
 ///
 /// Its table has [KIND.plant], [KIND.readings], [KIND.agent.AGENT] and [KIND.randomise.RANGE] for each kind of plant
-/// that it knows, and [agent.AGENT] for what an agent does on any plant. One without plants is a profile of agents
-/// only.
+/// that it knows, and [agent.AGENT] for what an agent does on any plant. A key "like" names an agent whose options come
+/// first. One without plants is a profile of agents only.
 struct Preset {
   std::string name;
   std::string summary;

@@ -18,7 +18,7 @@ struct LogUniform {
   double least() const { return low; }
   double greatest() const { return high; }
   double draw(const Rng& rng) const {
-    const double value = low * exp(log(high / low) * rng.uniform(0));
+    const double value = exp(log(low) + (log(high) - log(low)) * rng.uniform(0));
     return std::clamp(value, low, high);  // exp and log round
   }
 };
