@@ -5,21 +5,24 @@
 #include <string>
 #include <vector>
 
-#include "gust/control/closed_loop.h"
+#include "gust/control/adversary.h"
 #include "gust/core/catalog.h"
 #include "gust/nn/actor_network.h"
+#include "gust/sim/randomise.h"
 
 namespace gust {
 
-/// What an agent trains on. Plant and injections must outlive the training.
+/// What an agent trains on. Plant, injections and draws must outlive the training.
 struct TrainingTask {
   const Plant* plant = nullptr;
   Readings readings;
-  std::span<const Injection> injections;  ///< on during training, each at its own level
-  std::int64_t seed = 0;                  ///< of every random stream of the training
+  std::span<const Injection> injections;           ///< on during training, each at its own level
+  std::int64_t seed = 0;                           ///< of every random stream of the training
+  std::span<const ParameterDraw> randomised = {};  ///< parameters that every episode of the training draws anew
 };
 
-/// Ten deterministic episodes from the training distribution, without any disturbance (algorithms 0.7).
+/// Ten deterministic episodes from the starts of the training, without any disturbance, with nominal parameters
+/// (algorithms 0.7).
 struct CurvePoint {
   std::int64_t steps = 0;  ///< environment steps of the training so far
   double return_mean = 0;  ///< of the return sum, the episode ending at failure
@@ -28,6 +31,13 @@ struct CurvePoint {
   double anr = 0;    ///< return / length
   double anr_h = 0;  ///< return / horizon
   double rmse_scg = 0;
+  std::int64_t protagonist_steps = 0;  ///< those that the policy itself has learned from
+};
+
+/// An adversary that a policy was trained against, and where it acts.
+struct TrainedAdversary {
+  ActorNetwork actor;
+  AdversarySite against;
 };
 
 /// A training in progress. One thread at a time; equal tasks and options give equal bits.
@@ -46,6 +56,9 @@ class Training {
   /// The deterministic actor as it is now: observation in, action in the policy's unit out.
   virtual ActorNetwork actor() const = 0;
 
+  /// The adversaries as they are now; none if the policy learns by itself.
+  virtual std::vector<TrainedAdversary> adversaries() const { return {}; }
+
   /// The whole state between two iterations. A training that loads it goes on exactly as the saved one would have.
   virtual std::string save() const = 0;
   /// Throws Error if the bytes are no state of such a training.
@@ -60,6 +73,8 @@ class Agent {
   virtual std::int64_t steps() const = 0;  ///< environment steps of a full training
   /// Bytes that grow during a training of this plant, at their most: a memory of transitions.
   virtual std::uint64_t memory(const PlantSpec&) const { return 0; }
+  /// Throws Error at the place if it cannot train on such a plant.
+  virtual void check(const PlantSpec& /*spec*/, const Place& /*place*/) const {}
   virtual std::unique_ptr<Training> start(const TrainingTask& task) const = 0;
 };
 

@@ -5,16 +5,19 @@
 
 namespace gust {
 
-Environments::Environments(const TrainingTask& task, std::size_t count, Rng rng)
+Environments::Environments(const TrainingTask& task, std::size_t count, Rng rng,
+                           const std::optional<AdversarySite>& against)
     : task_(task),
       rng_(rng),
+      against_(against),
       loop_(*task.plant, task.readings, task.injections, count),
       episodes_(count, 0),
       history_(count),
       reward_(count),
       done_(count),
       truncated_(count),
-      terminal_(task.plant->spec().observations(), count) {
+      terminal_(task.plant->spec().observations(), count),
+      value_(against ? adversary_channels(*against, task.plant->spec()) : 0, count) {
   for (std::size_t lane = 0; lane < count; ++lane) begin(lane);
 }
 
@@ -22,16 +25,34 @@ void Environments::begin(std::size_t lane) {
   const Rng episode = rng_.split(lane).split(episodes_[lane]);
   EpisodeStart start;
   start.state = random_start(spec(), episode);
-  start.parameters = nominal_parameters(spec());
+  start.parameters = draw_parameters(task_.randomised, spec(), episode);
   for (const Injection& injection : task_.injections) start.levels.push_back(injection.level);
   if (!task_.injections.empty()) start.signals = std::make_shared<Signals>(task_.injections, spec(), episode);
   loop_.begin(lane, start);
 }
 
-void Environments::step(Rows<const double> command) {
-  for (std::size_t lane = 0; lane < count(); ++lane)
+void Environments::move(Rows<const double> command, Rows<const double> adversary) {
+  if (!against_) return loop_.step(command);
+  adversary_value(*against_, adversary, value_.view());
+  step_against(loop_, command, against_->site, value_.view());
+}
+
+void Environments::restart() {
+  for (std::size_t lane = 0; lane < count(); ++lane) next(lane);
+}
+
+void Environments::next(std::size_t lane) {
+  ++episodes_[lane];
+  history_[lane].clear();
+  begin(lane);
+}
+
+void Environments::step(Rows<const double> command, Rows<const double> adversary) {
+  for (std::size_t lane = 0; lane < count(); ++lane) {
     for (std::size_t i = 0; i < command.rows; ++i) history_[lane].push_back(command.at(i, lane));
-  loop_.step(command);
+    for (std::size_t i = 0; i < adversary.rows; ++i) history_[lane].push_back(adversary.at(i, lane));
+  }
+  move(command, adversary);
   std::ranges::copy(loop_.reward(), reward_.begin());
   for (std::size_t lane = 0; lane < count(); ++lane) {
     const bool last = loop_.steps_done(lane) >= spec().steps;
@@ -39,9 +60,7 @@ void Environments::step(Rows<const double> command) {
     done_[lane] = last || loop_.failed(lane);
     if (!done_[lane]) continue;
     for (std::size_t i = 0; i < terminal_.rows(); ++i) terminal_.at(i, lane) = loop_.observation().at(i, lane);
-    ++episodes_[lane];
-    history_[lane].clear();
-    begin(lane);
+    next(lane);
   }
 }
 
@@ -51,21 +70,20 @@ void Environments::save(Saver& saver) const {
 }
 
 void Environments::load(Loader& loader) {
+  const std::size_t width = spec().action.size() + channels();
   loader.block(std::span(episodes_));
-  for (std::vector<double>& commands : history_) {
-    loader.list(commands);
-    const std::size_t actions = spec().action.size();
-    if (commands.size() % actions != 0 || commands.size() / actions >= static_cast<std::size_t>(spec().steps)) {
-      Loader::fail();
-    }
+  for (std::vector<double>& actions : history_) {
+    loader.list(actions);
+    if (actions.size() % width != 0 || actions.size() / width >= static_cast<std::size_t>(spec().steps)) Loader::fail();
   }
   replay();
 }
 
 /// Begins every episode as late as it is short, so that all of them arrive together.
 void Environments::replay() {
-  Matrix<double> command(spec().action.size(), count());
-  const auto steps_of = [&](std::size_t lane) { return history_[lane].size() / command.rows(); };
+  Matrix<double> command(spec().action.size(), count()), adversary(channels(), count());
+  const std::size_t width = command.rows() + adversary.rows();
+  const auto steps_of = [&](std::size_t lane) { return history_[lane].size() / width; };
   std::size_t longest = 0;
   for (std::size_t lane = 0; lane < count(); ++lane) longest = std::max(longest, steps_of(lane));
   for (std::size_t step = 0; step <= longest; ++step) {
@@ -73,10 +91,11 @@ void Environments::replay() {
       const std::size_t late = longest - steps_of(lane);
       if (step == late) begin(lane);
       if (step < late || step == longest) continue;
-      for (std::size_t i = 0; i < command.rows(); ++i)
-        command.at(i, lane) = history_[lane][(step - late) * command.rows() + i];
+      const double* done = &history_[lane][(step - late) * width];
+      for (std::size_t i = 0; i < command.rows(); ++i) command.at(i, lane) = done[i];
+      for (std::size_t i = 0; i < adversary.rows(); ++i) adversary.at(i, lane) = done[command.rows() + i];
     }
-    if (step < longest) loop_.step(command.view());
+    if (step < longest) move(command.view(), adversary.view());
   }
 }
 

@@ -3,6 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <set>
+
+#include "gust/control/adder_plant_test.h"
 
 using namespace gust;
 
@@ -87,6 +90,116 @@ TEST_CASE("environments go on from saved bytes as if they had never stopped") {
     for (std::size_t i = 0; i < 4; ++i) CHECK(whole.observation().at(i, lane) == resumed.observation().at(i, lane));
     CHECK(whole.reward()[lane] == resumed.reward()[lane]);
   }
+}
+
+TEST_CASE("8.8.1 a drawn parameter holds over its episode and changes at every reset") {
+  const AdderPlant plant;  // a grows by gain * u a step: what it grew by is the gain that was drawn
+  const Place place{"test"};
+  const Value range{Table{{{"low", {0.25, place}}, {"high", {4.0, place}}}, place}, place};
+  const Randomisation randomisation = read_randomisation({{{"gain", range}}, place}, plant.spec());
+  Environments environments({&plant, {}, {}, 1, randomisation.draws}, 3, Rng(1));
+  const Matrix<double> command(1, 3, 0.5);  // u = 1 N
+  std::set<double> gains;
+
+  for (int episode = 0; episode < 20; ++episode) {
+    std::array<double, 3> gain{};
+    for (std::int64_t step = 0; step < plant.spec().steps; ++step) {
+      std::array<double, 3> before{};
+      for (std::size_t lane = 0; lane < 3; ++lane) before[lane] = environments.observation().at(0, lane);
+      environments.step(command.view());
+      for (std::size_t lane = 0; lane < 3; ++lane) {
+        const bool last = environments.done()[lane];
+        const double after = (last ? environments.terminal_observation() : environments.observation()).at(0, lane);
+        if (step == 0) gain[lane] = after - before[lane];
+        CHECK(after - before[lane] == doctest::Approx(gain[lane]).epsilon(1e-12));  // sums round
+      }
+    }
+    for (const double value : gain) {
+      CHECK((value > 0.249 && value < 4.001));
+      CHECK(gains.insert(value).second);  // never the same twice
+    }
+  }
+}
+
+TEST_CASE("environments with drawn parameters go on from saved bytes as if they had never stopped") {
+  const auto plant = cartpole();
+  const Place place{"test"};
+  const Value range{Table{{{"low", {0.2, place}}, {"high", {1.0, place}}}, place}, place};
+  const Randomisation randomisation = read_randomisation({{{"pole_length", range}}, place}, plant->spec());
+  const TrainingTask task{plant.object.get(), {}, {}, 1, randomisation.draws};
+  Environments whole(task, 3, Rng(1)), resumed(task, 3, Rng(1));
+  push(whole, 60, 0.4);
+
+  Saver saver;
+  whole.save(saver);
+  const std::string bytes = saver.take();
+  Loader loader(bytes);
+  resumed.load(loader);
+
+  push(whole, 1, 0.4);
+  push(resumed, 1, 0.4);
+  for (std::size_t lane = 0; lane < 3; ++lane)
+    CHECK(whole.observation().at(2, lane) == resumed.observation().at(2, lane));
+}
+
+TEST_CASE("environments with an adversary go on from saved bytes as if they had never stopped, at every site") {
+  const auto plant = cartpole();
+  const TrainingTask task{plant.object.get(), {}, {}, 1};
+  for (const Site site : kSites) {
+    const AdversarySite against{.site = site, .scale = 0.5};
+    Environments whole(task, 3, Rng(1), against), resumed(task, 3, Rng(1), against);
+    const auto step = [&](Environments& environments, std::uint64_t k) {
+      const Matrix<double> command(1, 3, 0.3);
+      Matrix<double> adversary(environments.channels(), 3);
+      for (std::size_t i = 0; i < adversary.rows(); ++i)
+        for (std::size_t lane = 0; lane < 3; ++lane) adversary.at(i, lane) = Rng(6).split(lane).normal(4 * k + i);
+      environments.step(command.view(), adversary.view());
+    };
+    for (std::uint64_t k = 0; k < 90; ++k) step(whole, k);
+
+    Saver saver;
+    whole.save(saver);
+    const std::string bytes = saver.take();
+    Loader loader(bytes);
+    resumed.load(loader);
+
+    for (Environments* environments : {&whole, &resumed}) step(*environments, 90);
+    for (std::size_t lane = 0; lane < 3; ++lane) {
+      for (std::size_t i = 0; i < 4; ++i) CHECK(whole.observation().at(i, lane) == resumed.observation().at(i, lane));
+    }
+  }
+}
+
+TEST_CASE("8.5.8 environments whose adversary gives nothing are the plain ones, to the bit") {
+  const auto plant = cartpole();
+  const TrainingTask task{plant.object.get(), {}, {}, 1};
+  for (const Site site : kSites) {
+    Environments plain(task, 2, Rng(1)), against(task, 2, Rng(1), AdversarySite{.site = site, .scale = 0.1});
+    const Matrix<double> nothing(against.channels(), 2);
+    Matrix<double> command(1, 2);
+    for (std::uint64_t k = 0; k < 300; ++k) {
+      for (std::size_t lane = 0; lane < 2; ++lane) command.at(0, lane) = 0.3 * Rng(2).split(lane).normal(k);
+      plain.step(command.view());
+      against.step(command.view(), nothing.view());
+      for (std::size_t lane = 0; lane < 2; ++lane) {
+        REQUIRE(plain.reward()[lane] == against.reward()[lane]);
+        for (std::size_t i = 0; i < 4; ++i)
+          REQUIRE(plain.observation().at(i, lane) == against.observation().at(i, lane));
+      }
+    }
+  }
+}
+
+TEST_CASE("environments that restart begin new episodes") {
+  const auto plant = cartpole();
+  Environments environments({plant.object.get(), {}, {}, 1}, 2, Rng(1));
+  push(environments, 10, 0.1);
+
+  const double first = Environments({plant.object.get(), {}, {}, 1}, 2, Rng(1)).observation().at(0, 0);
+  environments.restart();
+
+  CHECK(environments.observation().at(1, 0) == 0.0);  // at rest
+  CHECK(environments.observation().at(0, 0) != first);
 }
 
 TEST_CASE("bytes that are no environments are an error") {

@@ -45,11 +45,13 @@ CurvePoint measure_actor(const TrainingTask& task, const ActorNetwork& actor, Rn
   return point;
 }
 
-void LearningCurve::follow(const Training& training, std::int64_t steps, bool last) {
+void LearningCurve::follow(const Training& training, std::int64_t steps, bool last,
+                           std::optional<std::int64_t> protagonist_steps) {
   const std::int64_t passed = points_.empty() ? -1 : points_.back().steps / kStepsBetweenPoints;
   if (steps / kStepsBetweenPoints == passed && !last) return;
   points_.push_back(measure_actor(task_, training.actor(), rng_.split(points_.size())));
   points_.back().steps = steps;
+  points_.back().protagonist_steps = protagonist_steps.value_or(steps);
 }
 
 }  // namespace gust

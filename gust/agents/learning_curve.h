@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "gust/agents/agent.h"
 
 namespace gust {
@@ -18,8 +20,10 @@ class LearningCurve {
 
   const std::vector<CurvePoint>& points() const { return points_; }
 
-  /// Adds the point that is due after `steps` steps of a training, if one is.
-  void follow(const Training& training, std::int64_t steps, bool last);
+  /// Adds the point that is due after `steps` steps of a training, if one is. The actor has learned from all of them
+  /// unless told otherwise.
+  void follow(const Training& training, std::int64_t steps, bool last,
+              std::optional<std::int64_t> protagonist_steps = std::nullopt);
 
   template <class Archive, class Self>
   static void archive(Archive& archive, Self& self) {

@@ -95,7 +95,7 @@ void PpoLearner::sample(Rollout& rollout, std::size_t sample, std::uint64_t step
   }
 }
 
-void PpoLearner::assess(Rollout& rollout) {
+void PpoLearner::evaluate(Rollout& rollout) {
   log_density<float>({rollout.mean, log_std_}, rollout.action, rollout.log_density);
   values_of(rollout.observation, rollout.value);
   Buffer<float> last(rollout.environments);
@@ -105,6 +105,10 @@ void PpoLearner::assess(Rollout& rollout) {
   values_of(rollout.terminal_observation, terminal);
   rollout.terminal_value.assign(terminal.begin(), terminal.end());
   estimate_returns(options_.returns(), rollout);
+}
+
+void PpoLearner::assess(Rollout& rollout) {
+  evaluate(rollout);
   if (options_.advantage_scale == "rollout") standardise(rollout.advantage);
 }
 
@@ -118,11 +122,19 @@ void PpoLearner::values_of(std::span<const float> observations, std::span<float>
 }
 
 PpoStep PpoLearner::update(const Rollout& rollout, double progress) {
+  std::vector<std::uint32_t> all(rollout.samples());
+  std::iota(all.begin(), all.end(), 0u);
+  return update(rollout, all, progress);
+}
+
+PpoStep PpoLearner::update(const Rollout& rollout, std::span<const std::uint32_t> samples, double progress) {
   const auto batch = static_cast<std::size_t>(options_.minibatch);
-  order_.resize(rollout.samples());
   PpoStep last;
+  if (samples.size() < batch) return last;
+  order_.resize(samples.size());
   for (std::int64_t epoch = 0; epoch < options_.epochs; ++epoch) {
     shuffle(order_, rng_.split("minibatches").split(epochs_++));
+    for (std::uint32_t& sample : order_) sample = samples[sample];
     for (std::size_t first = 0; first + batch <= order_.size(); first += batch)
       last = step(rollout, std::span(order_).subspan(first, batch), progress);
   }

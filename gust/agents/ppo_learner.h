@@ -59,12 +59,17 @@ class PpoLearner {
   /// rollout's sample on. Draw number `step` of each environment's own stream.
   void sample(Rollout& rollout, std::size_t sample, std::uint64_t step);
 
-  /// Fills in densities, values, targets and advantages of a whole rollout.
+  /// Fills in densities, values, targets and advantages of a whole rollout. No sample's numbers enter those of another
+  /// environment or episode.
+  void evaluate(Rollout& rollout);
+  /// The same, with the advantages standardised over all samples if that is how the options want them.
   void assess(Rollout& rollout);
 
   /// All epochs of minibatches over a rollout that was assessed; returns the last gradient step's outcome. `progress`
   /// is the share of the training that is done.
   PpoStep update(const Rollout& rollout, double progress);
+  /// The same over some of its samples alone; nothing happens if they are fewer than a minibatch.
+  PpoStep update(const Rollout& rollout, std::span<const std::uint32_t> samples, double progress);
 
   /// One gradient step of the critic, and of the actor unless it has moved too far, on some samples.
   PpoStep step(const Rollout& rollout, std::span<const std::uint32_t> samples, double progress);

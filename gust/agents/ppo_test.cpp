@@ -166,6 +166,22 @@ TEST_CASE("disturbances in training change what is learned") {
   CHECK_FALSE(equal_actors(*clean, *noisy));
 }
 
+TEST_CASE("8.8.1 training with a range of one value is training with that parameter, to the bit") {
+  const auto nominal = cartpole();
+  const auto longer = cartpole({{"pole_length", number(0.7)}});
+  const Value one{Table{{{"low", number(0.7)}, {"high", number(0.7)}}, {"test"}}, {"test"}};
+  const Randomisation randomisation = read_randomisation({{{"pole_length", one}}, {"test"}}, nominal->spec());
+  const auto agent = ppo({{"steps", integer(4000)}});
+  const auto drawn = agent->start({nominal.object.get(), {}, {}, 1, randomisation.draws});
+  const auto fixed = agent->start({longer.object.get(), {}, {}, 1});
+  const auto other = agent->start({nominal.object.get(), {}, {}, 1});
+
+  for (Training* training : {drawn.get(), fixed.get(), other.get()}) advance(*training, 10);
+
+  CHECK(equal_actors(*drawn, *fixed));
+  CHECK_FALSE(equal_actors(*drawn, *other));
+}
+
 TEST_CASE("impossible options are errors that say what would be right") {
   CHECK_THROWS_WITH_AS(ppo({{"minibatch", integer(500)}}),
                        "test: 'minibatch' must be at most environments * rollout = 400, got 500", Error);

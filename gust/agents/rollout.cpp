@@ -1,6 +1,8 @@
 #include "gust/agents/rollout.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace gust {
 
@@ -21,6 +23,15 @@ Rollout::Rollout(std::size_t environment_count, std::size_t step_count, std::siz
       last_value(environments),
       advantage(samples()),
       value_target(samples()) {}
+
+void oppose(const Rollout& rollout, Rollout& opponent) {
+  opponent.observation = rollout.observation;
+  opponent.last_observation = rollout.last_observation;
+  opponent.done = rollout.done;
+  opponent.truncated = rollout.truncated;
+  opponent.terminal_observation = rollout.terminal_observation;
+  std::ranges::transform(rollout.reward, opponent.reward.begin(), std::negate<>());
+}
 
 void estimate_returns(const ReturnOptions& options, Rollout& rollout) {
   std::vector<double> followed(rollout.reward);

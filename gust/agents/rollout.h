@@ -50,6 +50,10 @@ struct Rollout {
   }
 };
 
+/// Fills in an opponent's side of the same steps: equal but for the rewards, which are negated; the actions stay its
+/// own.
+void oppose(const Rollout& rollout, Rollout& opponent);
+
 /// How returns are estimated (algorithms 1.2).
 struct ReturnOptions {
   double discount = 0.99;

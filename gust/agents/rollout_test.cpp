@@ -93,6 +93,22 @@ TEST_CASE("the value target can be advantage plus value") {
   CHECK(near(rollout.value_target, {2.62648, 2.134, 1.45}));
 }
 
+TEST_CASE("8.5.1 an opponent has the same steps with the rewards negated, and its own actions") {
+  Rollout rollout = three_steps(End::kTruncated), opponent(1, 3, 1, 2);
+  rollout.terminal_observation.push_back(7.0f);
+  rollout.observation = {1.0f, 2.0f, 3.0f};
+  opponent.action = {1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f};
+
+  oppose(rollout, opponent);
+
+  CHECK(opponent.reward == std::vector<double>{-1.0, -1.0, -1.0});
+  CHECK(std::ranges::equal(opponent.observation, rollout.observation));
+  CHECK(opponent.done == rollout.done);
+  CHECK(opponent.truncated == rollout.truncated);
+  CHECK(opponent.terminal_observation.front() == 7.0f);
+  CHECK(opponent.action[5] == 6.0f);
+}
+
 TEST_CASE("environments of a rollout do not mix") {
   Rollout rollout(2, 2, 1, 1);
   rollout.reward = {1.0, 10.0, 1.0, 10.0};  // step 0 of both, then step 1

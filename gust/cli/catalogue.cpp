@@ -5,6 +5,7 @@
 #include "gust/core/text.h"
 #include "gust/disturb/injection.h"
 #include "gust/eval/metric.h"
+#include "gust/sim/distribution.h"
 #include "gust/study/preset_files.h"
 #include "gust/study/presets.h"
 #include "gust/study/setup.h"
@@ -45,6 +46,8 @@ CatalogueKind plant_kind() {
                   {"force at the dynamics site", components_text(spec.force)},
                   {"parameters that a study may vary", join(parameters, ", ")},
                   {"presets", join(preset_names(entry.name), ", ")}};
+    const Table ranges = preset_part(preset_at(kStandardPreset, entry.name), entry.name, "randomise");
+    if (!ranges.items.empty()) item.notes.emplace_back("ranges for randomise", join(ranges.keys(), ", "));
     item.example = cat("plant = { kind = \"", entry.name, "\", preset = \"", kStandardPreset, "\", ",
                        spec.parameters.front().name, " = ", spec.parameters.front().nominal, " }");
     kind.items.push_back(std::move(item));
@@ -83,8 +86,22 @@ CatalogueKind agent_kind() {
         break;
       }
     }
-    item.notes = {{"profiles", join(profiles, ", ")}};
+    item.notes = {
+        {"profiles", join(profiles, ", ")},
+        {"on any plant and in any agent", "disturb = [ … ] and randomise = \"mid\" or { … }, on in training"}};
     item.example = policy_example(entry.name, kStandardPreset);
+    kind.items.push_back(std::move(item));
+  }
+  return kind;
+}
+
+CatalogueKind distribution_kind() {
+  CatalogueKind kind{"distribution", "distributions", {}};
+  for (const Entry<Distribution>& entry : distributions().entries()) {
+    CatalogueItem item = item_of(entry);
+    item.notes = {{"in a study", "every option is given: no default is assumed"}};
+    item.example =
+        cat("agent = { kind = \"ppo\", randomise = { pole_length = ", inline_table(entry.name, entry.fields), " } }");
     kind.items.push_back(std::move(item));
   }
   return kind;
@@ -159,8 +176,8 @@ CatalogueKind command_kind(const CLI::App& program) {
 }  // namespace
 
 std::vector<CatalogueKind> catalogue(const CLI::App& program) {
-  return {plant_kind(),  waveform_kind(), agent_kind(),         metric_kind(),
-          preset_kind(), site_kind(),     command_kind(program)};
+  return {plant_kind(),  waveform_kind(), agent_kind(), distribution_kind(),
+          metric_kind(), preset_kind(),   site_kind(),  command_kind(program)};
 }
 
 const CatalogueKind& find_kind(const std::vector<CatalogueKind>& kinds, std::string_view name) {

@@ -5,15 +5,24 @@
 #include "gust/cli/command.h"
 #include "gust/core/error.h"
 
+namespace {
+
+int tell_error(const char* what) {
+  fmt::print(stderr, "gust: {}\n", what);
+  return gust::kUsage;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  constexpr const char* kNoOutput = "standard output: cannot be written to";
   try {
     const int exit_code = gust::run_command_line(argc, argv);
-    if (std::fflush(stdout) != 0) throw gust::Error("standard output: cannot be written to");
-    return exit_code;
+    return std::fflush(stdout) == 0 ? exit_code : tell_error(kNoOutput);
   } catch (const gust::Error& error) {
-    fmt::print(stderr, "gust: {}\n", error.what());
-    return gust::kUsage;
+    return tell_error(error.what());
   } catch (const std::exception& bug) {
+    if (std::ferror(stdout) != 0) return tell_error(kNoOutput);  // what print throws where the buffer runs full
     fmt::print(stderr, "gust: internal error: {}; please report it with the command and its input\n", bug.what());
     return gust::kTrialFailed;
   }

@@ -24,16 +24,20 @@ std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
 
 struct Settings {
   Table agent, readings, plant;
+  std::optional<Value> randomise;
 };
 
 Settings read_settings(const TrainRequest& request) {
   Settings settings;
   std::vector<std::string> of_agent = names_of(agents().at(request.agent, {"AGENT"}).fields);
   of_agent.push_back("profile");
+  of_agent.push_back("randomise");
   const SettingGroup groups[] = {{&settings.agent, of_agent},
                                  {&settings.readings, field_names<Readings>()},
                                  {&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)}};
   sort_settings(request.settings, groups, cat(" (gust describe agent ", request.agent, ")"));
+  if (const Value* randomise = settings.agent.find("randomise")) settings.randomise = *randomise;
+  settings.agent.erase("randomise");
   settings.agent.place = {"--set"};
   settings.agent.set("kind", {request.agent, {"gust"}});
   if (request.steps) settings.agent.set("steps", {*request.steps, {"--steps"}});
@@ -51,10 +55,14 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
   agent_ = make_agent(settings.agent, setup_);
-  identity_ = hash_hex(cat("gust ", kVersion, "\n", agent_.canonical, "\n", setup_.preset, "\n", setup_.plant.canonical,
-                           "\n", canonical_fields(setup_.readings), "\nseed ", seed_));
+  agent_->check(setup_.plant->spec(), {"gust train"});
+  if (settings.randomise) randomised_ = parse_randomise(*settings.randomise, setup_);
+  const std::string drawn = randomised_.canonical(setup_.plant->spec());
+  identity_ =
+      hash_hex(cat("gust ", kVersion, "\n", agent_.canonical, "\n", setup_.preset, "\n", setup_.plant.canonical, "\n",
+                   canonical_fields(setup_.readings), "\nseed ", seed_, drawn.empty() ? "" : "\nrandomise ", drawn));
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
-  training_ = agent_->start({setup_.plant.object.get(), setup_.readings, {}, seed_});
+  training_ = agent_->start({setup_.plant.object.get(), setup_.readings, {}, seed_, randomised_.draws});
   resume();
 }
 

@@ -50,6 +50,7 @@ class TrainingRun {
   std::int64_t seed_;
   Setup setup_;
   Made<Agent> agent_;
+  Randomisation randomised_;
   std::string identity_;  ///< equal for trainings that are the same
   std::unique_ptr<Training> training_;
 };

@@ -76,7 +76,8 @@ void ClosedLoop::begin(std::size_t lane, const EpisodeStart& start) {
   if (disturbs(Site::kObservation)) add_signals(Site::kObservation, lane, observation_);
 }
 
-void ClosedLoop::step(Rows<const double> command, Rows<const double> push, Rows<const double> nudge) noexcept {
+void ClosedLoop::step(Rows<const double> command, Rows<const double> push, Rows<const double> nudge,
+                      Rows<const double> lie) noexcept {
   command_actions(command);
   disturb_actions(nudge);
   saturate_actions();
@@ -86,6 +87,9 @@ void ClosedLoop::step(Rows<const double> command, Rows<const double> push, Rows<
   aim();
   judge();
   observe();
+  for (std::size_t i = 0; i < lie.rows; ++i) {
+    for (std::size_t lane = 0; lane < lanes_; ++lane) observation_.at(i, lane) += lie.at(i, lane);
+  }
 }
 
 /// The policy's unit becomes the physical one; with a box (or where saturation comes first) the command is clipped.

@@ -33,8 +33,10 @@ class ClosedLoop {
   void begin(std::size_t lane, const EpisodeStart& start);
 
   /// One control step of every lane with these commands (actions x lanes, in the policy's unit). `push` is added to
-  /// the dynamics disturbance and `nudge` to the action disturbance [physical units]: an adversary's share.
-  void step(Rows<const double> command, Rows<const double> push = {}, Rows<const double> nudge = {}) noexcept;
+  /// the dynamics disturbance, `nudge` to the action disturbance and `lie` to the state part of the observation after
+  /// the step [physical units]: an adversary's share.
+  void step(Rows<const double> command, Rows<const double> push = {}, Rows<const double> nudge = {},
+            Rows<const double> lie = {}) noexcept;
 
   const Plant& plant() const { return plant_; }
   std::size_t lanes() const { return lanes_; }

@@ -246,12 +246,18 @@ class PageWriter {
       if (study_.policies[p].kind != StudyPolicy::Kind::kTrain) continue;
       Page::Learning learning;
       learning.policy = p;
+      std::vector<double> own_steps;
       for (const Trial& trial : plan_.trials) {
-        if (trial.kind == Trial::Kind::kTrain && trial.policy == p) add_run(trial, learning);
+        if (trial.kind == Trial::Kind::kTrain && trial.policy == p) own_steps = add_run(trial, learning);
       }
       if (learning.runs.empty()) continue;
       add_mean(learning);
-      page_.learning.push_back(std::move(learning));
+      page_.learning.push_back(learning);
+      if (own_steps == learning.steps || own_steps.size() != learning.mean.value.size()) continue;
+      Page::Learning own{.policy = p, .source = "mean, by the steps that the policy learned from"};
+      own.steps = std::move(own_steps);
+      own.mean.value = learning.mean.value;
+      page_.learning.push_back(std::move(own));
     }
     for (const ReferenceCurve& curve : study_.reference_curves) {
       const auto policy = std::ranges::find(study_.policies, curve.policy, &StudyPolicy::name);
@@ -265,16 +271,20 @@ class PageWriter {
     }
   }
 
-  void add_run(const Trial& trial, Page::Learning& learning) {
+  /// Returns the steps that the policy itself had learned from at each point.
+  std::vector<double> add_run(const Trial& trial, Page::Learning& learning) {
     const std::optional<StoredTrial> stored = store_.load(kind_name(trial.kind), trial.id);
-    if (!stored) return;
+    if (!stored) return {};
+    std::vector<double> own_steps;
     Page::Learning::Run run;
     run.seed = cat(study_.policies[trial.policy].seeds[trial.member]);
     for (const CurvePoint& point : read_curve(stored->read(kCurveFile), trial.id)) {
       run.steps.push_back(static_cast<double>(point.steps));
       run.score.push_back(point.anr_h);
+      own_steps.push_back(static_cast<double>(point.protagonist_steps));
     }
     learning.runs.push_back(std::move(run));
+    return own_steps;
   }
 
   /// The mean over seeds with its bootstrap interval, where all seeds were evaluated after the same steps.

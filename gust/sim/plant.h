@@ -124,6 +124,9 @@ class Plant {
   virtual Linearisation linearise(std::span<const double> state, std::span<const double> action) const = 0;
 };
 
+/// The position of a parameter of the plant; an Error at the place if there is none of that name.
+std::size_t parameter_index(const PlantSpec& spec, const std::string& name, const Place& place);
+
 /// Every plant there is, in the order of plants/list.inc.
 const Catalog<Plant>& plants();
 

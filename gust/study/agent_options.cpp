@@ -32,4 +32,22 @@ Made<Agent> make_agent(const Table& agent, const Setup& setup) {
   return made;
 }
 
+Randomisation parse_randomise(const Value& value, const Setup& setup) {
+  const PlantSpec& spec = setup.plant->spec();
+  const auto* name = std::get_if<std::string>(&value.data);
+  if (name == nullptr) return read_randomisation(value.as_table("randomise"), spec);
+  const Table ranges = preset_part(preset_at(setup.preset, setup.plant.kind), setup.plant.kind, "randomise");
+  const Value* range = ranges.find(*name);
+  if (range == nullptr) {
+    const std::vector<std::string> names = ranges.keys();
+    throw error_at(value.place, "unknown range '", *name, "' of parameters", did_you_mean(*name, names),
+                   names.empty() ? cat("; ", setup.preset, " names none for ", setup.plant.kind)
+                                 : cat("; ", setup.preset, " names ", join(names, ", "), " for ", setup.plant.kind),
+                   "; or spell it out as a table");
+  }
+  Randomisation randomisation = read_randomisation(range->as_table(*name), spec);
+  randomisation.name = *name;
+  return randomisation;
+}
+
 }  // namespace gust

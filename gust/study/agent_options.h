@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gust/agents/agent.h"
+#include "gust/sim/randomise.h"
 #include "gust/study/setup.h"
 
 namespace gust {
@@ -13,5 +14,7 @@ Made<Agent> make_agent(const Table& agent, const Setup& setup);
 
 /// The check alone, for a machine that has so many bytes.
 void check_memory(std::uint64_t needed, std::uint64_t available, const Place& place);
+/// "randomise": the name of a range of the setup's preset (low, mid, high), or a table as read_randomisation takes it.
+Randomisation parse_randomise(const Value& value, const Setup& setup);
 
 }  // namespace gust

@@ -143,7 +143,7 @@ class Database {
 };
 
 void insert_learning(Database& database, const Study& study, const Plan& plan, const Store& store) {
-  database.prepare("INSERT INTO learning VALUES (?,?,?,?,?,?,?,?,?)");
+  database.prepare("INSERT INTO learning VALUES (?,?,?,?,?,?,?,?,?,?)");
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kTrain) continue;
     const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
@@ -155,6 +155,7 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
       const double values[] = {point.return_mean, point.return_std, point.length_mean,
                                point.anr,         point.anr_h,      point.rmse_scg};
       for (int i = 0; i < 6; ++i) database.bind(4 + i, values[i]);
+      database.bind(10, point.protagonist_steps);
       database.insert();
     }
   }
@@ -190,7 +191,7 @@ void export_sqlite(const Study& study, const Plan& plan, const Store& store, con
         "waveform TEXT, vary TEXT, level TEXT, start TEXT, episode INTEGER, metric TEXT, value REAL)");
     database.execute(
         "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, return_mean REAL, return_std REAL, "
-        "length_mean REAL, anr REAL, anr_h REAL, rmse_scg REAL)");
+        "length_mean REAL, anr REAL, anr_h REAL, rmse_scg REAL, protagonist_steps INTEGER)");
     database.prepare("INSERT INTO episodes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
     for_each_export_row(study, plan, store, [&](const ExportRow& row) {
       const std::string* texts[] = {&row.plant, &row.preset,   &row.readings, &row.policy, &row.seed,

@@ -79,7 +79,12 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
     policy.disturbed = parse_disturb(*disturb, study.setup.plant->spec());
     options.erase("disturb");
   }
+  if (const Value* randomise = options.find("randomise")) {
+    policy.randomised = parse_randomise(*randomise, study.setup);
+    options.erase("randomise");
+  }
   policy.agent = make_agent(options, study.setup);
+  policy.agent->check(study.setup.plant->spec(), agent->place);
   policy.seeds = {1};
   if (const Value* seeds = table.find("seeds")) policy.seeds = parse_seeds(*seeds);
 }

@@ -29,20 +29,10 @@ std::vector<double> spaced(const Table& table, std::string_view what) {
   return values;
 }
 
-std::size_t parameter_index(const std::string& name, const Place& place, const PlantSpec& spec) {
-  std::vector<std::string> names;
-  for (const Parameter& parameter : spec.parameters) names.push_back(parameter.name);
-  const auto at = std::ranges::find(names, name);
-  if (at == names.end())
-    throw error_at(place, "unknown parameter '", name, "'", did_you_mean(name, names), "; the plant has ",
-                   join(names, ", "));
-  return static_cast<std::size_t>(at - names.begin());
-}
-
 /// Values of a parameter: absolute, or factors of the nominal value.
 Sweep::Axis parameter_axis(const std::string& name, const Value& values, double unit, const Study& study) {
   const PlantSpec& spec = study.setup.plant->spec();
-  Sweep::Axis axis{name, parameter_index(name, values.place, spec), parse_levels(values, name)};
+  Sweep::Axis axis{name, parameter_index(spec, name, values.place), parse_levels(values, name)};
   for (double& value : axis.values) {
     value *= unit;
     if (!(value > 0)) throw error_at(values.place, "'", name, "' must be > 0, got ", value);
@@ -59,7 +49,7 @@ void parse_vary(const Table& table, const Study& study, Sweep& sweep) {
                    "a sweep over a parameter needs either 'values' or 'scale' (factors of the nominal value)");
   }
   const std::string& name = table.find("vary")->as_text("vary");
-  const std::size_t index = parameter_index(name, table.find("vary")->place, study.setup.plant->spec());
+  const std::size_t index = parameter_index(study.setup.plant->spec(), name, table.find("vary")->place);
   const double nominal = study.setup.plant->spec().parameters[index].nominal;
   sweep.axes.push_back(scale ? parameter_axis(name, *scale, nominal, study)
                              : parameter_axis(name, *values, 1.0, study));

@@ -47,6 +47,11 @@ std::string injections_text(const std::vector<Injection>& injections) {
   return text;
 }
 
+std::string randomised_text(const Study& study, const StudyPolicy& policy) {
+  const std::string text = policy.randomised.canonical(study.setup.plant->spec());
+  return text.empty() ? text : cat("randomise ", text, "\n");
+}
+
 /// What the policy is, without its name: equal policies in two studies share their trials.
 std::string policy_text(const Study& study, const Trial& trial, const Plan& plan) {
   const StudyPolicy& policy = study.policies[trial.policy];
@@ -74,9 +79,12 @@ std::string member_label(const StudyPolicy& policy, std::size_t member) {
 Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
   const StudyPolicy& trained = study.policies[policy];
   Trial trial{.kind = Trial::Kind::kTrain, .policy = policy, .member = member};
-  trial.canonical = cat("train v", kTrainVersion, "\n", common_text(study), "agent ", trained.agent.canonical, "\n",
-                        injections_text(trained.disturbed), "seed ", trained.seeds[member], "\n");
+  trial.canonical =
+      cat("train v", kTrainVersion, "\n", common_text(study), "agent ", trained.agent.canonical, "\n",
+          injections_text(trained.disturbed), randomised_text(study, trained), "seed ", trained.seeds[member], "\n");
   trial.what = cat("train ", member_label(trained, member));
+  if (!trained.randomised.draws.empty())
+    trial.what += cat(" · randomise ", trained.randomised.label(study.setup.plant->spec()));
   trial.seconds = kSecondsPerTrainingStep * static_cast<double>(trained.agent->steps());
   name_trial(trial, cat(trained.agent.kind, " s", trained.seeds[member]));
   return trial;

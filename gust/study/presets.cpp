@@ -30,6 +30,17 @@ void replace(Table& options, const Table* by) {
   for (const auto& [key, value] : by->items) options.set(key, value);
 }
 
+/// What a preset says about an agent on any plant, then on this one; first what it says of the agent that it is "like".
+void add_profile(Table& options, const Preset& preset, std::string_view agent, std::string_view plant) {
+  for (const Table* own :
+       {inner(inner(&preset.table, kAgents), agent), inner(inner(inner(&preset.table, plant), kAgents), agent)}) {
+    if (own == nullptr) continue;
+    if (const Value* like = own->find("like")) add_profile(options, preset, like->as_text("like"), plant);
+    replace(options, own);
+  }
+  options.erase("like");
+}
+
 }  // namespace
 
 bool Preset::has_plant(std::string_view kind) const { return kind != kAgents && table.contains(kind); }
@@ -76,8 +87,7 @@ Table agent_profile(std::string_view agent, std::string_view plant, std::string_
     names.push_back(preset.name);
     if (preset.name != profile) continue;
     Table options;
-    replace(options, inner(inner(&preset.table, kAgents), agent));
-    replace(options, inner(inner(inner(&preset.table, plant), kAgents), agent));
+    add_profile(options, preset, agent, plant);
     options.place = place;
     return options;
   }

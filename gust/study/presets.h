@@ -10,8 +10,9 @@ namespace gust {
 
 /// A published set of options: studies/presets/NAME.toml, compiled into the program.
 ///
-/// Its table has [KIND.plant], [KIND.readings] and [KIND.agent.AGENT] for each kind of plant that it knows, and
-/// [agent.AGENT] for what an agent does on any plant. One without plants is a profile of agents only.
+/// Its table has [KIND.plant], [KIND.readings], [KIND.agent.AGENT] and [KIND.randomise.RANGE] for each kind of plant
+/// that it knows, and [agent.AGENT] for what an agent does on any plant. A key "like" names an agent whose options come
+/// first. One without plants is a profile of agents only.
 struct Preset {
   std::string name;
   std::string summary;
@@ -29,7 +30,7 @@ std::vector<std::string> preset_names(std::string_view plant);
 /// The preset of a plant; an Error at the place if there is none, with the nearest name.
 const Preset& preset_at(std::string_view name, std::string_view plant, const Place& place = {"gust"});
 
-/// What a preset says about a plant's "plant" or "readings"; an empty table if nothing.
+/// What a preset says about a plant's "plant", "readings" or "randomise"; an empty table if nothing.
 Table preset_part(const Preset& preset, std::string_view plant, std::string_view part);
 
 /// Whether the preset says anything about an agent on this plant or on any.

@@ -133,8 +133,12 @@ TEST_CASE("kept episodes and curves are read back as they were written") {
   REQUIRE(traces.size() == 2);
   CHECK(traces_text(traces) == text);
   CHECK(traces[0].state.lanes() == 251);
-  const std::vector<CurvePoint> curve = {{0, 1.5, 0.25, 30, 0.5, 0.125, 0.75}};
+  const std::vector<CurvePoint> curve = {{0, 1.5, 0.25, 30, 0.5, 0.125, 0.75},
+                                         {800, 1.5, 0.25, 30, 0.5, 0.125, 0.75, 400}};
   CHECK(curve_text(read_curve(curve_text(curve), "curve")) == curve_text(curve));
+  CHECK(read_curve("steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg\n400,1,0,30,0.5,0.125,0.75\n", "old")
+            .front()
+            .protagonist_steps == 400);
   CHECK_THROWS_AS(read_curve("nonsense", "curve"), Error);
   CHECK_THROWS_AS(read_traces("[{}]", "traces"), Error);
 }

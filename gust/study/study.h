@@ -27,6 +27,7 @@ struct StudyPolicy {
   Made<Agent> agent;                 ///< kTrain
   std::vector<std::int64_t> seeds;   ///< kTrain
   std::vector<Injection> disturbed;  ///< kTrain: on during training
+  Randomisation randomised;          ///< kTrain: parameters drawn in training
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;

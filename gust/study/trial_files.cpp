@@ -10,7 +10,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kCurveHead = "steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg";
+constexpr std::string_view kCurveHead = "steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg,protagonist_steps";
+constexpr std::string_view kOldCurveHead = "steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg";
 
 Json matrix_json(const Matrix<double>& matrix) {
   Json rows = Json::array();
@@ -54,7 +55,7 @@ std::string curve_text(const std::vector<CurvePoint>& curve) {
   std::string text = cat(kCurveHead, "\n");
   for (const CurvePoint& p : curve) {
     text += cat(p.steps, ",", p.return_mean, ",", p.return_std, ",", p.length_mean, ",", p.anr, ",", p.anr_h, ",",
-                p.rmse_scg, "\n");
+                p.rmse_scg, ",", p.protagonist_steps, "\n");
   }
   return text;
 }
@@ -62,18 +63,20 @@ std::string curve_text(const std::vector<CurvePoint>& curve) {
 std::vector<CurvePoint> read_curve(std::string_view text, std::string_view name) {
   std::vector<CurvePoint> curve;
   const std::vector<std::string> lines = split_text(text, '\n');
-  if (lines.empty() || lines.front() != kCurveHead) throw Error(cat(name, ":1: no learning curve"));
+  const bool old = !lines.empty() && lines.front() == kOldCurveHead;  // every step was the protagonist's
+  if (lines.empty() || (lines.front() != kCurveHead && !old)) throw Error(cat(name, ":1: no learning curve"));
   for (std::size_t i = 1; i < lines.size(); ++i) {
-    double values[7] = {};
+    double values[8] = {};
+    const std::size_t columns = old ? 7 : 8;
     const std::vector<std::string> cells = split_text(lines[i], ',');
-    bool good = cells.size() == std::size(values);
+    bool good = cells.size() == columns;
     for (std::size_t c = 0; good && c < cells.size(); ++c) {
       const char* end = cells[c].data() + cells[c].size();
       good = std::from_chars(cells[c].data(), end, values[c]).ptr == end;
     }
-    if (!good) throw Error(cat(name, ":", i + 1, ": not seven numbers"));
-    curve.push_back(
-        {static_cast<std::int64_t>(values[0]), values[1], values[2], values[3], values[4], values[5], values[6]});
+    if (!good) throw Error(cat(name, ":", i + 1, ": not ", columns, " numbers"));
+    curve.push_back({static_cast<std::int64_t>(values[0]), values[1], values[2], values[3], values[4], values[5],
+                     values[6], static_cast<std::int64_t>(old ? values[0] : values[7])});
   }
   return curve;
 }

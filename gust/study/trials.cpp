@@ -49,11 +49,23 @@ std::unique_ptr<Training> begin_training(const Agent& agent, const TrainingTask&
   }
 }
 
+/// Every adversary that the policy was trained against, with where it acts and how far it reaches.
+void write_adversaries(TrialWriter& writer, const Training& training, std::map<std::string, std::string> metadata) {
+  std::size_t number = 0;
+  for (const TrainedAdversary& adversary : training.adversaries()) {
+    metadata["gust.units"] = "adversary";  // its action is no policy's
+    metadata["gust.site"] = site_name(adversary.against.site);
+    metadata["gust.scale"] = cat(adversary.against.scale);
+    metadata["gust.offset"] = cat(adversary.against.offset);
+    writer.write(adversary_file(++number), write_onnx(adversary.actor, metadata));
+  }
+}
+
 Outcome run_train(const Study& study, const Trial& trial, const Store& store, std::stop_token stop,
                   ProgressSink& progress) {
   const StudyPolicy& policy = study.policies[trial.policy];
   const TrainingTask task{study.setup.plant.object.get(), study.setup.readings, policy.disturbed,
-                          policy.seeds[trial.member]};
+                          policy.seeds[trial.member], policy.randomised.draws};
   const std::unique_ptr<Training> training = begin_training(*policy.agent, task, store, trial.id);
   if (!train_to_end(*training, store, trial.id, stop, progress)) return {Outcome::State::stopped, ""};
 
@@ -67,6 +79,7 @@ Outcome run_train(const Study& study, const Trial& trial, const Store& store, st
                                                          {"gust.version", std::string(kVersion)},
                                                          {"gust.trial", trial.id}};
     writer.write(kPolicyFile, write_onnx(training->actor(), metadata));
+    write_adversaries(writer, *training, metadata);
   } else {
     writer.write(kFailureFile, training->failure());
   }

@@ -8,6 +8,8 @@ namespace gust {
 
 // Files of a trial in the store; their formats are in docs/formats.md.
 inline constexpr std::string_view kPolicyFile = "policy.onnx";
+/// "adversary-1.onnx", …: what the policy was trained against, if anything.
+inline std::string adversary_file(std::size_t number) { return cat("adversary-", number, ".onnx"); }
 inline constexpr std::string_view kCurveFile = "curve.csv";
 inline constexpr std::string_view kFailureFile = "failure.txt";  ///< why a training ended without a policy
 inline constexpr std::string_view kRowsFile = "rows.bin";

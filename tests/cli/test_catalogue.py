@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-KINDS = ["plants", "waveforms", "agents", "metrics", "presets", "sites", "commands"]
+KINDS = ["plants", "waveforms", "agents", "distributions", "metrics", "presets", "sites", "commands"]
 
 
 def names(gust, kind):
@@ -27,7 +27,7 @@ def test_list_names_every_kind(gust):
     for kind in KINDS:
         for item in everything[kind]:
             assert item["summary"]
-            if kind in ("plants", "waveforms", "agents", "metrics"):
+            if kind in ("plants", "waveforms", "agents", "distributions", "metrics"):
                 assert item["source"]
 
 
@@ -38,7 +38,7 @@ def test_list_as_text_is_a_line_each(gust):
     assert gust("list").stdout.count("\n\n") == len(KINDS) - 1
 
 
-@pytest.mark.parametrize("kind", ["plant", "waveform", "agent", "metric", "preset", "site"])
+@pytest.mark.parametrize("kind", ["plant", "waveform", "agent", "distribution", "metric", "preset", "site"])
 def test_every_thing_is_described_with_its_options_and_an_example_in_toml(gust, kind):
     for name in names(gust, kind):
         said = json.loads(gust("describe", kind, name, "--json").stdout)

@@ -32,7 +32,7 @@ def test_trained_policy_knows_what_it_was_made_for(gust):
 def test_equal_commands_give_equal_bytes_and_other_seeds_or_options_do_not(gust, tmp_path):
     variants = {"a": [], "b": [], "seed": ["--seed", "2"], "rate": ["--set", "actor_rate=1e-3"],
                 "reading": ["--set", "effort=applied"], "plant": ["--set", "pole_length=0.4"],
-                "modern": ["--set", "profile=modern"]}
+                "modern": ["--set", "profile=modern"], "drawn": ["--set", "randomise=mid"]}
     for name, more in variants.items():
         gust(*SHORT, *more, "--out", f"{name}.onnx")
     files = {name: (tmp_path / f"{name}.onnx").read_bytes() for name in variants}

@@ -41,6 +41,7 @@ TEST_CASE("every kind says what it is, where it comes from, and refuses options 
   check_entries(plants());
   check_entries(metrics());
   check_entries(agents());
+  check_entries(distributions());
 }
 
 TEST_CASE("every waveform gives equal bits again, finite ones, and a longer episode begins as a shorter one") {
@@ -107,6 +108,19 @@ TEST_CASE("every plant has a whole spec, keeps its lanes apart, and knows its ow
         const double derivative = input < states ? exact.a(row, column) : exact.b(row, column);
         CHECK(difference == doctest::Approx(derivative).epsilon(1e-6).scale(1e-3));  // central difference in double
       }
+    }
+  }
+}
+
+TEST_CASE("every distribution draws within its bounds, and equal numbers from equal streams") {
+  for (const std::string& name : distributions().names()) {
+    CAPTURE(name);
+    const auto distribution = standard(distributions(), name);
+    REQUIRE(distribution->low() <= distribution->high());
+    for (std::uint64_t i = 0; i < 10'000; ++i) {
+      const double value = distribution->draw(Rng(1).split(i));
+      REQUIRE((value >= distribution->low() && value <= distribution->high()));
+      REQUIRE(value == distribution->draw(Rng(1).split(i)));
     }
   }
 }

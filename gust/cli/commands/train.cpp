@@ -14,7 +14,8 @@ constexpr const char* kAbout =
     "Trains a policy and writes it as an ONNX file.\n\n"
     "The path of the file is what is printed; progress goes to stderr. Stopped with Ctrl-C or killed, the same command "
     "goes on where it was and gives the same file. --set takes options of the agent (gust describe agent AGENT), then "
-    "readings and options of the plant; profile=modern chooses another set of the agent's options than the preset's.";
+    "readings and options of the plant; profile=modern chooses another set of the agent's options than the preset's, "
+    "randomise=mid a range of parameters that the preset names.";
 
 int train(const TrainRequest& request) {
   SignalWatch signals;
