@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -65,6 +66,12 @@ class Training {
   virtual void load(std::string_view bytes) = 0;
 };
 
+/// Risk levels that a policy was trained for.
+struct LevelRange {
+  double low = 0;
+  double high = 1;
+};
+
 /// Trains policies. Immutable; options come from the catalogue.
 class Agent {
  public:
@@ -75,6 +82,8 @@ class Agent {
   virtual std::uint64_t memory(const PlantSpec&) const { return 0; }
   /// Throws Error at the place if it cannot train on such a plant.
   virtual void check(const PlantSpec& /*spec*/, const Place& /*place*/) const {}
+  /// The risk levels that its policies may be told to act at; none if they take none.
+  virtual std::optional<LevelRange> levels() const { return {}; }
   virtual std::unique_ptr<Training> start(const TrainingTask& task) const = 0;
 };
 

@@ -28,27 +28,12 @@ double return_loss(const ReturnLossOptions& options, const ReturnLaw& law, const
   return mean_part + square(law.deviation - std::sqrt(std::max(target.variance, kLeastVariance)));
 }
 
-template <class T>
-double return_loss(const ReturnLossOptions& options, std::span<const T> outputs, std::span<const ReturnSample> samples,
-                   std::span<T> gradient) {
-  double sum = 0.0;
-  const double share = 1.0 / static_cast<double>(samples.size());
-  for (std::size_t lane = 0; lane < samples.size(); ++lane) {
-    const ReturnLaw law = return_law(&outputs[2 * lane]);
-    const ReturnTarget target = return_target(options, samples[lane], law.mean);
-    sum += return_loss(options, law, target);
-    const double at_deviation = options.wasserstein
-                                    ? 2.0 * (law.deviation - std::sqrt(std::max(target.variance, kLeastVariance)))
-                                    : 2.0 * law.deviation * (law.variance() - target.variance);
-    gradient[2 * lane] = static_cast<T>(2.0 * share * (law.mean - target.mean));
-    gradient[2 * lane + 1] = static_cast<T>(share * at_deviation * sigmoid(static_cast<double>(outputs[2 * lane + 1])));
-  }
-  return sum * share;
+OutputSlope return_loss_slope(const ReturnLossOptions& options, const ReturnLaw& law, double x,
+                              const ReturnTarget& target) {
+  const double at_deviation = options.wasserstein
+                                  ? 2.0 * (law.deviation - std::sqrt(std::max(target.variance, kLeastVariance)))
+                                  : 2.0 * law.deviation * (law.variance() - target.variance);
+  return {2.0 * (law.mean - target.mean), at_deviation * sigmoid(x)};
 }
-
-template double return_loss(const ReturnLossOptions&, std::span<const float>, std::span<const ReturnSample>,
-                            std::span<float>);
-template double return_loss(const ReturnLossOptions&, std::span<const double>, std::span<const ReturnSample>,
-                            std::span<double>);
 
 }  // namespace gust

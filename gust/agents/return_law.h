@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <span>
-
 #include "gust/core/math.h"
 
 namespace gust {
@@ -28,10 +25,16 @@ inline double sigmoid(double x) {
 }
 
 /// The law that a critic's two outputs (Q, x) stand for: mean Q, deviation softplus(x) + 1e-4.
-template <class T>
-ReturnLaw return_law(const T* outputs) {
-  return {static_cast<double>(outputs[0]), softplus(static_cast<double>(outputs[1])) + kLeastDeviation};
-}
+inline ReturnLaw return_law(double q, double x) { return {q, softplus(x) + kLeastDeviation}; }
+
+/// The slope of some number at a critic's two outputs.
+struct OutputSlope {
+  double mean = 0;  ///< by Q
+  double raw = 0;   ///< by x
+};
+
+/// Of the conditional value at risk.
+inline OutputSlope cvar_slope(double coefficient, double x) { return {1.0, -coefficient * sigmoid(x)}; }
 
 /// How a critic's variance learns (algorithms 4.3).
 struct ReturnLossOptions {
@@ -63,16 +66,8 @@ ReturnTarget return_target(const ReturnLossOptions& options, const ReturnSample&
 /// (Q - y)^2 + (s - sqrt(max(yV, 1e-8)))^2, the squared 2-Wasserstein distance, or (Q - y)^2 + (V - yV)^2 / 2.
 double return_loss(const ReturnLossOptions& options, const ReturnLaw& law, const ReturnTarget& target);
 
-/// The mean loss of a batch of critic outputs (lanes x 2); writes its gradient at the outputs.
-template <class T>
-double return_loss(const ReturnLossOptions& options, std::span<const T> outputs, std::span<const ReturnSample> samples,
-                   std::span<T> gradient);
-
-/// Writes at the outputs the gradient of `slope` times the CVaR that they stand for.
-template <class T>
-void cvar_gradient(const T* outputs, double coefficient, double slope, T* gradient) {
-  gradient[0] = static_cast<T>(slope);
-  gradient[1] = static_cast<T>(-slope * coefficient * sigmoid(static_cast<double>(outputs[1])));
-}
+/// Of this loss at the outputs (law.mean, x).
+OutputSlope return_loss_slope(const ReturnLossOptions& options, const ReturnLaw& law, double x,
+                              const ReturnTarget& target);
 
 }  // namespace gust

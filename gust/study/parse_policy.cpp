@@ -42,13 +42,37 @@ void parse_lqr(const Table& table, const Study& study, StudyPolicy& policy) {
   }
 }
 
+/// The risk level at which a policy acts, if the study says one.
+std::optional<double> parse_level(const Table& table) {
+  const Value* value = table.find("alpha");
+  if (value == nullptr) return std::nullopt;
+  double level = 0;
+  read_value(level, *value, "alpha", Range{.low = 0, .high = 1, .low_open = true});
+  return level;
+}
+
+/// Checks that the trained policy can act at the level that is asked for.
+void check_level(const StudyPolicy& policy, const Table& table) {
+  if (!policy.alpha) return;
+  const Place& place = table.find("alpha")->place;
+  const std::optional<LevelRange> levels = policy.agent->levels();
+  if (!levels)
+    throw error_at(place, "'alpha' is for agents whose policy takes a risk level, such as wcpg; ", policy.agent.kind,
+                   " does not");
+  if (*policy.alpha < levels->low || *policy.alpha > levels->high)
+    throw error_at(place, "'alpha' must be a level that the agent trains, ", levels->low, " to ", levels->high,
+                   ", got ", *policy.alpha);
+}
+
 void parse_onnx(const Table& table, const Study& study, const FindFiles& find, StudyPolicy& policy) {
-  check_keys(table, {"name", "kind", "file"}, "an onnx policy");
+  check_keys(table, {"name", "kind", "file", "alpha"}, "an onnx policy");
+  policy.alpha = parse_level(table);
   const std::string& pattern = required_text(table, "file", "an onnx policy");
   const Place& place = table.find("file")->place;
   policy.files = find(pattern, place);
   if (policy.files.empty()) throw error_at(place, "no file matches '", pattern, "'");
-  for (const StudyPolicy::File& file : policy.files) onnx_policy(file.bytes, file.path, study.setup);
+  for (const StudyPolicy::File& file : policy.files)
+    onnx_policy(file.bytes, file.path, study.setup, {.alpha = policy.alpha});
 }
 
 std::vector<std::int64_t> parse_seeds(const Value& value) {
@@ -70,7 +94,7 @@ std::vector<std::int64_t> parse_seeds(const Value& value) {
 }
 
 void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
-  check_keys(table, {"name", "kind", "agent", "seeds"}, "a policy to train");
+  check_keys(table, {"name", "kind", "agent", "seeds", "alpha"}, "a policy to train");
   const Value* agent = table.find("agent");
   if (agent == nullptr)
     throw error_at(table.place, "a policy to train needs an 'agent', such as agent = { kind = \"ppo\" }");
@@ -85,6 +109,8 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
   }
   policy.agent = make_agent(options, study.setup);
   policy.agent->check(study.setup.plant->spec(), agent->place);
+  policy.alpha = parse_level(table);
+  check_level(policy, table);
   policy.seeds = {1};
   if (const Value* seeds = table.find("seeds")) policy.seeds = parse_seeds(*seeds);
 }

@@ -52,6 +52,11 @@ std::string randomised_text(const Study& study, const StudyPolicy& policy) {
   return text.empty() ? text : cat("randomise ", text, "\n");
 }
 
+/// At which risk level it acts; nothing if at its own.
+std::string level_text(const StudyPolicy& policy) {
+  return policy.alpha ? cat("alpha ", canonical_text(*policy.alpha), "\n") : std::string();
+}
+
 /// What the policy is, without its name: equal policies in two studies share their trials.
 std::string policy_text(const Study& study, const Trial& trial, const Plan& plan) {
   const StudyPolicy& policy = study.policies[trial.policy];
@@ -63,9 +68,9 @@ std::string policy_text(const Study& study, const Trial& trial, const Plan& plan
     case StudyPolicy::Kind::kZero:
       return "policy zero\n";
     case StudyPolicy::Kind::kOnnx:
-      return cat("policy onnx ", hash_hex(policy.files[trial.member].bytes), "\n");
+      return cat("policy onnx ", hash_hex(policy.files[trial.member].bytes), "\n", level_text(policy));
     default:
-      return cat("policy ", plan.trials[trial.inputs.front()].id, "\n");
+      return cat("policy ", plan.trials[trial.inputs.front()].id, "\n", level_text(policy));
   }
 }
 

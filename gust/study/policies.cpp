@@ -54,11 +54,12 @@ std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, c
 }
 
 std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,
-                                    Arithmetic arithmetic) {
-  OnnxModel model = read_onnx(bytes, name);
+                                    const PolicyUse& use) {
+  const std::optional<float> alpha = use.alpha ? std::optional(static_cast<float>(*use.alpha)) : std::nullopt;
+  OnnxModel model = read_onnx(bytes, name, alpha);
   check_sizes(model, name, setup);
   check_metadata(model, name, setup);
-  return network_policy(std::move(model), arithmetic);
+  return network_policy(std::move(model), use.arithmetic);
 }
 
 }  // namespace gust

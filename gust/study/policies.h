@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,9 +14,16 @@ namespace gust {
 /// is none, and for a plant that has no such policy.
 std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place = {"gust"});
 
+/// How a file's policy is used.
+struct PolicyUse {
+  Arithmetic arithmetic = Arithmetic::kDouble;
+  std::optional<double> alpha = {};  ///< the risk level to act at; the file's own if none
+};
+
 /// The policy of an ONNX file. An Error that starts with `name` if the bytes are no policy, if inputs or outputs do not
-/// fit the plant, or if the metadata gust.plant, gust.preset or gust.units say that it was made for something else.
+/// fit the plant, if it takes no risk level and one is asked for, or if the metadata gust.plant, gust.preset or
+/// gust.units say that it was made for something else.
 std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,
-                                    Arithmetic arithmetic = Arithmetic::kDouble);
+                                    const PolicyUse& use = {});
 
 }  // namespace gust

@@ -71,7 +71,7 @@ TEST_CASE("an ONNX policy acts on a lane as if it were alone, in float and in do
   constexpr std::size_t kLanes = 131;
   const Matrix<double> observation = random_observations(kLanes);
   for (const Arithmetic arithmetic : {Arithmetic::kFloat, Arithmetic::kDouble}) {
-    const auto policy = onnx_policy(random_policy_file(), "p.onnx", cartpole(), arithmetic);
+    const auto policy = onnx_policy(random_policy_file(), "p.onnx", cartpole(), {.arithmetic = arithmetic});
     Matrix<double> together(1, kLanes);
     policy->act(observation.view(), kFirst, together.view());
 
@@ -92,9 +92,10 @@ TEST_CASE("an ONNX policy in float differs from that in double by float's roundi
   const Matrix<double> observation = random_observations(kLanes);
   Matrix<double> single(1, kLanes), wide(1, kLanes);
 
-  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kFloat)
+  onnx_policy(random_policy_file(), "p", cartpole(), {.arithmetic = Arithmetic::kFloat})
       ->act(observation.view(), kFirst, single.view());
-  onnx_policy(random_policy_file(), "p", cartpole(), Arithmetic::kDouble)->act(observation.view(), kFirst, wide.view());
+  onnx_policy(random_policy_file(), "p", cartpole(), {.arithmetic = Arithmetic::kDouble})
+      ->act(observation.view(), kFirst, wide.view());
 
   double worst = 0;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {

@@ -9,7 +9,7 @@
 namespace gust {
 namespace {
 
-constexpr std::string_view kNames[] = {"scg-2022", "scg-default", "modern"};
+constexpr std::string_view kNames[] = {"scg-2022", "scg-default", "modern", "wcpg", "wcpg-fixed", "raac", "raac-fixed"};
 constexpr std::string_view kAgents = "agent";  // the key beside the plants that holds agents for any plant
 
 /// A table inside a table; nullptr if it is not there.

@@ -1,6 +1,7 @@
 #include "gust/study/run.h"
 
 #include <algorithm>
+#include <map>
 
 #include "gust/study/trials.h"
 
@@ -11,6 +12,7 @@ namespace {
 std::vector<Job> missing_jobs(const Study& study, const Plan& plan, const Store& store,
                               std::vector<std::size_t>& trials) {
   std::vector<std::size_t> job_of(plan.trials.size(), Trial::kNominal);
+  std::map<std::string, std::size_t> first_of;  // trials of one name are done once: the others wait and find it done
   std::vector<Job> jobs;
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
     const Trial& trial = plan.trials[i];
@@ -22,6 +24,11 @@ std::vector<Job> missing_jobs(const Study& study, const Plan& plan, const Store&
     job.run = [&study, &plan, &store, i](std::stop_token stop, ProgressSink& progress) {
       return run_trial(study, plan, i, store, stop, progress);
     };
+    const auto [first, is_first] = first_of.try_emplace(trial.id, jobs.size());
+    if (!is_first) {
+      job.needs.push_back(first->second);
+      job.weight = 0;
+    }
     job_of[i] = jobs.size();
     trials.push_back(i);
     jobs.push_back(std::move(job));

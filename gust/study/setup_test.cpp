@@ -122,7 +122,7 @@ TEST_CASE("every profile of an agent says all of its options") {
 }
 
 TEST_CASE("the profile scg-2022 of an agent is what it does by itself, and modern is not") {
-  for (const char* name : {"ppo", "sac"}) {
+  for (const char* name : {"ppo", "sac", "wcpg", "raac"}) {
     const Entry<Agent>& agent = agents().at(name);
     const std::string standard = agent.make(Table{}).canonical;
 

@@ -28,6 +28,7 @@ struct StudyPolicy {
   std::vector<std::int64_t> seeds;   ///< kTrain
   std::vector<Injection> disturbed;  ///< kTrain: on during training
   Randomisation randomised;          ///< kTrain: parameters drawn in training
+  std::optional<double> alpha;       ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;

@@ -252,7 +252,8 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
     case StudyPolicy::Kind::kZero:
       return zero_policy(study.setup.plant->spec().observations(), study.setup.plant->spec().action.size());
     case StudyPolicy::Kind::kOnnx:
-      return onnx_policy(policy.files[trial.member].bytes, policy.files[trial.member].path, study.setup);
+      return onnx_policy(policy.files[trial.member].bytes, policy.files[trial.member].path, study.setup,
+                         {.alpha = policy.alpha});
     default:
       break;
   }
@@ -260,7 +261,7 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
   const std::optional<StoredTrial> stored = store.load(kind_name(training.kind), training.id);
   if (!stored || !stored->contains(kPolicyFile))
     throw Error(cat("the policy of '", training.what, "' is not in the store"));
-  return onnx_policy(stored->read(kPolicyFile), training.id, study.setup);
+  return onnx_policy(stored->read(kPolicyFile), training.id, study.setup, {.alpha = policy.alpha});
 }
 
 std::optional<double> found_level(const Store& store, const Trial& trial) {

@@ -20,7 +20,7 @@ def test_list_names_every_kind(gust):
     assert "cartpole" in names(gust, "plants") and "ppo" in names(gust, "agents")
     assert {"white", "uniform", "step", "impulse", "sawtooth", "triangle", "sine", "constant", "scg_impulse",
             "scg_periodic"} <= set(names(gust, "waveforms"))
-    assert names(gust, "preset") == ["scg-2022", "scg-default", "modern"]  # singular, too
+    assert names(gust, "preset") == ["scg-2022", "scg-default", "modern", "wcpg", "wcpg-fixed", "raac", "raac-fixed"]
     assert names(gust, "sites") == ["observation", "action", "dynamics"]
     assert {"run", "plan", "report", "show", "export", "train", "eval", "validate", "list", "describe", "preview",
             "store", "completion", "version", "help"} <= set(names(gust, "commands"))

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+
+#include "gust/agents/critic.h"
+#include "gust/agents/wcpg_options.h"
+#include "gust/nn/trained_mlp.h"
+
+namespace gust {
+
+/// The two critics of WCPG (algorithms 4.1 to 4.4): each says that returns are N(Q, s^2), and a state with an action is
+/// worth the lesser of their conditional values at risk Q - c(alpha) s, alpha being the last input. Targets take mean
+/// and variance of the slow copy whose value is lesser.
+class GaussianCritic final : public Critic {
+ public:
+  GaussianCritic(const WcpgOptions& options, const TransitionShape& shape, Rng rng);
+
+  void judge(const Tiles<float>& input, Rng rng, Judgement judgement) override;
+  double learn(const Lesson& lesson) override;
+  bool finite() const override;
+  void save(Saver& saver) const override;
+  void load(Loader& loader) override;
+
+  /// What one critic says of each lane.
+  std::vector<ReturnLaw> laws(std::size_t critic, const Tiles<float>& input);
+
+ private:
+  double coefficient(const Tiles<float>& input, std::size_t lane) const;
+  void aim(const Lesson& lesson);
+
+  ReturnLossOptions loss_;
+  CvarForm form_;
+  float polyak_;
+  AdamOptions adam_;
+  std::array<TrainedMlp<float>, 2> critics_;
+  std::array<Tiles<float>, 2> at_outputs_;
+  std::vector<ReturnSample> samples_;
+};
+
+}  // namespace gust
