@@ -27,6 +27,7 @@ class Clock final : public Plant {
     spec_.action_low = {-1};
     spec_.action_high = {1};
     spec_.start = {0};
+    spec_.start_offset = {0};
     spec_.start_range = {0};
     spec_.fail_low = {-1};
     spec_.fail_high = {0.95};
@@ -40,8 +41,9 @@ class Clock final : public Plant {
   void advance(const Motion& motion) const noexcept override {
     for (std::size_t lane = 0; lane < motion.state.lanes; ++lane) motion.state.at(0, lane) += shown_ ? 0.1 : 0.0;
   }
-  void goal(std::span<double> goal) const noexcept override { goal[0] = 0; }
-  void begin(Rows<double>, std::size_t) const noexcept override {}
+  void reference(std::size_t, std::span<double> state) const noexcept override { state[0] = 0; }
+  void begin(Rows<double>, std::size_t, bool) const noexcept override {}
+  bool near_ground(std::span<const double>) const noexcept override { return false; }
   Linearisation linearise(std::span<const double>, std::span<const double>) const override {
     throw Bug("not linearised");
   }

@@ -4,11 +4,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include "gust/core/hash.h"
 #include "gust/core/rng.h"
-#include "gust/nn/adam.h"
 #include "gust/nn/initialise.h"
+#include "gust/nn/trained_mlp.h"
 
 using namespace gust;
 
@@ -37,11 +38,33 @@ std::string trained_bits(const MlpShape& shape) {
   return hash_hex(bytes);
 }
 
+/// The same of a network in tiles.
+std::string tiled_bits(const MlpShape& shape) {
+  constexpr std::size_t kLanes = 100;
+  TrainedMlp<float> network(shape, kLanes, {.first = 0, .count = 1}, TrainedMlp<float>::Follower::kYes);
+  initialise_uniform(network.mlp(), Rng(9));
+  Tiles<float> x(kLanes, shape.inputs()), dy(kLanes, shape.outputs());
+  float slope = 0.0f;
+  for (int step = 0; step < 3; ++step) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      for (std::size_t i = 0; i < shape.inputs(); ++i)
+        x.at(lane, i) = static_cast<float>(Rng(step).normal(lane * shape.inputs() + i));
+    const Tiles<float>& y = network.forward(x);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) dy.at(lane, 0) = y.at(lane, 0) - 0.5f;
+    slope += network.backward_to_input(dy).at(77, 0);
+    network.step({}, dy, 0.1f);
+  }
+  std::string bytes(reinterpret_cast<const char*>(&slope), sizeof slope);
+  for (const Mlp<float>* mlp : {&std::as_const(network).mlp(), &network.follower()})
+    bytes.append(reinterpret_cast<const char*>(mlp->parameters().data()), mlp->parameters().size_bytes());
+  return hash_hex(bytes);
+}
+
 std::string all_bits() {
   std::string bits;
   for (const MlpShape& shape :
        {MlpShape{{4, 64, 64, 1}}, MlpShape{{6, 100, 72, 2}}, MlpShape{{5, 256, 256, 1}, Activation::kRelu}}) {
-    bits += trained_bits(shape);
+    bits += trained_bits(shape) + tiled_bits(shape);
   }
   return bits;
 }

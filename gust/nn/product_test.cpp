@@ -71,6 +71,17 @@ TEST_CASE("a product in double adds up in order too") {
   CHECK(equals_definition<double>({64, 16, 64, false, true}));
 }
 
+TEST_CASE("the products of tiles add up in order, and run compiled whatever the width of the layer") {
+  for (const int width : {1, 2, 5, 17, 32, 100, 256}) {
+    for (const bool b_transposed : {false, true}) {
+      CHECK(equals_definition<float>({64, width, 256, b_transposed}));
+      CHECK(equals_definition<float>({64, 256, width, b_transposed}));
+      CHECK(Product<float>({64, width, 256, b_transposed}).compiled());
+    }
+    CHECK(equals_definition<float>({256, width, 64, false, true}));
+  }
+}
+
 TEST_CASE("the layers of common networks run compiled") {
   for (const int width : {24, 32, 64, 100, 128, 256}) CHECK(Product<float>({.m = width, .n = 64, .k = 64}).compiled());
 }

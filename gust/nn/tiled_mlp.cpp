@@ -44,9 +44,9 @@ template <class T>
 const Tiles<T>& TiledMlp<T>::forward(const Mlp<T>& mlp, const Tiles<T>& input) noexcept {
   input_ = &input;
   const T* parameters = mlp.parameters().data();
-  for (std::size_t layer = 0; layer < layers_.size(); ++layer) {
-    const std::span bias(parameters + mlp.biases_at(layer), shape_.sizes[layer + 1]);
-    for (std::size_t tile = 0; tile < input.count(); ++tile) {
+  for (std::size_t tile = 0; tile < input.count(); ++tile) {
+    for (std::size_t layer = 0; layer < layers_.size(); ++layer) {
+      const std::span bias(parameters + mlp.biases_at(layer), shape_.sizes[layer + 1]);
       const std::span<T> y = outputs_[layer].tile(tile);
       layers_[layer].forward(input_of(layer).tile(tile).data(), parameters + mlp.weights_at(layer), y.data());
       layer + 1 == layers_.size() ? add_bias_to_tile<T>(bias, y) : activate_tile<T>(shape_.activation, bias, y);
@@ -61,32 +61,28 @@ std::span<const T> TiledMlp<T>::at_sums(std::size_t layer, std::size_t tile) con
   return all.tile(tile).first(shape_.sizes[layer + 1] * kTileLanes);
 }
 
-/// The gradient at the sums of the layer below, from that at the sums of a layer.
+/// In one tile: the gradient at the sums of the layer below, from that at the sums of a layer.
 template <class T>
-void TiledMlp<T>::to_layer_below(const Mlp<T>& mlp, std::size_t layer) noexcept {
+void TiledMlp<T>::to_layer_below(const Mlp<T>& mlp, std::size_t layer, std::size_t tile) noexcept {
   const DenseShape size = layers_[layer].size;
   const std::span weights(mlp.parameters().data() + mlp.weights_at(layer), size.inputs * size.outputs);
-  for (std::size_t tile = 0; tile < input_->count(); ++tile) {
-    const std::span<const T> dz = at_sums(layer, tile);
-    const std::span<const T> y = outputs_[layer - 1].tile(tile);
-    const std::span<T> below = at_sums_[(layer - 1) % 2].tile(tile).first(y.size());
-    if (size.narrow()) {
-      through_narrow_layer<T>(shape_.activation, {weights, y, dz}, below);
-    } else {
-      layers_[layer].to_input(dz.data(), weights.data(), below.data());
-      through_activated_tile<T>(shape_.activation, y, below);
-    }
-  }
+  const std::span<const T> dz = at_sums(layer, tile);
+  const std::span<const T> y = outputs_[layer - 1].tile(tile);
+  const std::span<T> below = at_sums_[(layer - 1) % 2].tile(tile).first(y.size());
+  if (size.narrow()) return through_narrow_layer<T>(shape_.activation, {weights, y, dz}, below);
+  layers_[layer].to_input(dz.data(), weights.data(), below.data());
+  through_activated_tile<T>(shape_.activation, y, below);
 }
 
 template <class T>
 const Tiles<T>& TiledMlp<T>::backward_to_input(const Mlp<T>& mlp, const Tiles<T>& at_output) noexcept {
   begin_backward(at_output);
-  for (std::size_t layer = layers_.size() - 1; layer > 0; --layer) to_layer_below(mlp, layer);
   const DenseShape size = layers_.front().size;
   const T* weights = mlp.parameters().data() + mlp.weights_at(0) + (size.narrow() ? 0 : wanted_.first * size.outputs);
-  for (std::size_t tile = 0; tile < input_->count(); ++tile)
+  for (std::size_t tile = 0; tile < input_->count(); ++tile) {
+    for (std::size_t layer = layers_.size() - 1; layer > 0; --layer) to_layer_below(mlp, layer, tile);
     layers_.front().to_input(at_sums(0, tile).data(), weights, at_input_.tile(tile).data());
+  }
   return at_input_;
 }
 
@@ -95,29 +91,17 @@ void TiledMlp<T>::backward_layer(const Mlp<T>& mlp, std::size_t layer, std::span
   const DenseShape size = layers_[layer].size;
   const std::span weights = gradient.first(size.inputs * size.outputs);
   const std::span bias = gradient.subspan(mlp.biases_at(layer) - mlp.weights_at(layer), size.outputs);
-  std::ranges::fill(gradient.subspan(weights.size(), gradient.size() - weights.size()), T(0));
-  if (layer > 0) to_layer_below(mlp, layer);
-  size.narrow() ? narrow_gradient(layer, weights, bias) : wide_gradient(layer, weights, bias);
-}
-
-template <class T>
-void TiledMlp<T>::wide_gradient(std::size_t layer, std::span<T> weights, std::span<T> bias) noexcept {
+  std::ranges::fill(size.narrow() ? gradient : gradient.subspan(weights.size()), T(0));
   for (std::size_t tile = 0; tile < input_->count(); ++tile) {
     const std::span<const T> dz = at_sums(layer, tile);
-    const std::span turned(turned_.data(), dz.size());
-    transpose(dz.data(), turned.data(), bias.size(), kTileLanes);
-    layers_[layer].weights[tile == 0 ? 0 : 1](turned.data(), input_of(layer).tile(tile).data(), weights.data());
+    if (layer > 0) to_layer_below(mlp, layer, tile);
     add_lane_sums<T>(dz, bias);
-  }
-}
-
-template <class T>
-void TiledMlp<T>::narrow_gradient(std::size_t layer, std::span<T> weights, std::span<T> bias) noexcept {
-  std::ranges::fill(weights, T(0));
-  for (std::size_t tile = 0; tile < input_->count(); ++tile) {
-    const std::span<const T> dz = at_sums(layer, tile);
-    add_narrow_gradient<T>({{}, input_of(layer).tile(tile), dz}, weights);
-    add_lane_sums<T>(dz, bias);
+    if (size.narrow()) {
+      add_narrow_gradient<T>({{}, input_of(layer).tile(tile), dz}, weights);
+    } else {
+      transpose(dz.data(), turned_.data(), size.outputs, kTileLanes);
+      layers_[layer].weights[tile == 0 ? 0 : 1](turned_.data(), input_of(layer).tile(tile).data(), weights.data());
+    }
   }
 }
 

@@ -63,9 +63,7 @@ class TiledMlp {
 
   const Tiles<T>& input_of(std::size_t layer) const { return layer == 0 ? *input_ : outputs_[layer - 1]; }
   std::span<const T> at_sums(std::size_t layer, std::size_t tile) const;
-  void to_layer_below(const Mlp<T>& mlp, std::size_t layer) noexcept;
-  void wide_gradient(std::size_t layer, std::span<T> weights, std::span<T> bias) noexcept;
-  void narrow_gradient(std::size_t layer, std::span<T> weights, std::span<T> bias) noexcept;
+  void to_layer_below(const Mlp<T>& mlp, std::size_t layer, std::size_t tile) noexcept;
 
   MlpShape shape_;
   InputRange wanted_;

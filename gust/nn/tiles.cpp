@@ -113,15 +113,17 @@ void add_lane_sums(std::span<const T> dy, std::span<T> bias) noexcept {
   }
 }
 
-#define GUST_TILES(T)                                                                           \
-  template void activate_tile(Activation, std::span<const T>, std::span<T>) noexcept;           \
-  template void add_bias_to_tile(std::span<const T>, std::span<T>) noexcept;                    \
-  template void through_activated_tile(Activation, std::span<const T>, std::span<T>) noexcept;  \
-  template void through_narrow_layer(Activation, const NarrowLayer<T>&, std::span<T>) noexcept; \
-  template void add_narrow_gradient(const NarrowLayer<T>&, std::span<T>) noexcept;              \
-  template void add_lane_sums(std::span<const T>, std::span<T>) noexcept
-GUST_TILES(float);
-GUST_TILES(double);
-#undef GUST_TILES
+template void activate_tile(Activation, std::span<const float>, std::span<float>) noexcept;
+template void activate_tile(Activation, std::span<const double>, std::span<double>) noexcept;
+template void add_bias_to_tile(std::span<const float>, std::span<float>) noexcept;
+template void add_bias_to_tile(std::span<const double>, std::span<double>) noexcept;
+template void through_activated_tile(Activation, std::span<const float>, std::span<float>) noexcept;
+template void through_activated_tile(Activation, std::span<const double>, std::span<double>) noexcept;
+template void through_narrow_layer(Activation, const NarrowLayer<float>&, std::span<float>) noexcept;
+template void through_narrow_layer(Activation, const NarrowLayer<double>&, std::span<double>) noexcept;
+template void add_narrow_gradient(const NarrowLayer<float>&, std::span<float>) noexcept;
+template void add_narrow_gradient(const NarrowLayer<double>&, std::span<double>) noexcept;
+template void add_lane_sums(std::span<const float>, std::span<float>) noexcept;
+template void add_lane_sums(std::span<const double>, std::span<double>) noexcept;
 
 }  // namespace gust
