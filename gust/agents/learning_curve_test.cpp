@@ -17,6 +17,24 @@ Made<Plant> cartpole(double start_range) {
 /// An actor that does nothing.
 ActorNetwork idle() { return {Mlp<float>({{4, 8, 1}})}; }
 
+/// A training whose actor does nothing, ever.
+class IdleTraining final : public Training {
+ public:
+  void advance() override {}
+  bool done() const override { return true; }
+  std::int64_t steps() const override { return 0; }
+  std::int64_t total_steps() const override { return 0; }
+  const std::string& failure() const override { return failure_; }
+  const std::vector<CurvePoint>& curve() const override { return curve_; }
+  ActorNetwork actor() const override { return idle(); }
+  std::string save() const override { return {}; }
+  void load(std::string_view) override {}
+
+ private:
+  std::string failure_;
+  std::vector<CurvePoint> curve_;
+};
+
 }  // namespace
 
 TEST_CASE("an actor that stays at the goal earns a reward of one a step") {
@@ -48,9 +66,10 @@ TEST_CASE("equal streams give equal points and others do not") {
 TEST_CASE("a curve has a point at the start, one after every 20,000 steps, and one at the end") {
   const auto plant = cartpole(0.0);
   LearningCurve curve({plant.object.get(), {}, {}, 1}, Rng(5));
+  const IdleTraining training;
 
-  for (const std::int64_t steps : {0, 6'400, 19'200, 25'600, 32'000, 44'800}) curve.follow(idle(), steps, false);
-  curve.follow(idle(), 45'000, true);
+  for (const std::int64_t steps : {0, 6'400, 19'200, 25'600, 32'000, 44'800}) curve.follow(training, steps, false);
+  curve.follow(training, 45'000, true);
 
   std::vector<std::int64_t> steps;
   for (const CurvePoint& point : curve.points()) steps.push_back(point.steps);
