@@ -27,7 +27,7 @@ Made<Agent> raac(Options options) {
 TEST_CASE("RAAC learns to hold the pole up") {
   const auto plant = cartpole();
   const auto training =
-      raac({{"steps", integer(10'000)}, {"kappa", number(0.05)}})->start({plant.object.get(), {}, {}, 1});
+      raac({{"steps", integer(20'000)}, {"kappa", number(0.05)}})->start({plant.object.get(), {}, {}, 1});
 
   while (!training->done()) training->advance();
 

@@ -71,7 +71,7 @@ TEST_CASE("8.6.7 a risk level holds for an episode, is uniform over episodes, an
 TEST_CASE("WCPG learns to hold the pole up at every risk level") {
   const auto plant = cartpole();
   Options options = kFixed;
-  options.push_back({"steps", integer(10'000)});
+  options.push_back({"steps", integer(20'000)});
   const auto agent = wcpg(options);
   const TrainingTask task{plant.object.get(), {}, {}, 1};
   const auto training = agent->start(task);

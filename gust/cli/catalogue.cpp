@@ -101,7 +101,8 @@ CatalogueKind distribution_kind() {
     CatalogueItem item = item_of(entry);
     item.notes = {{"in a study", "every option is given: no default is assumed"}};
     item.example =
-        cat("agent = { kind = \"ppo\", randomise = { pole_length = ", inline_table(entry.name, entry.fields), " } }");
+        cat("[[policy]]\nname  = \"ppo-dr\"\nkind  = \"train\"\nagent = { kind = \"ppo\", randomise = { pole_length = ",
+            inline_table(entry.name, entry.fields), " } }");
     kind.items.push_back(std::move(item));
   }
   return kind;
