@@ -74,6 +74,15 @@ std::string policy_example(std::string_view agent, std::string_view profile) {
              profile, "\", steps = 1_000_000 }\nseeds = [1, 2, 3]");
 }
 
+/// The first agent that a preset has a profile of.
+std::string agent_of(const Preset& preset) {
+  for (const std::string& agent : agents().names()) {
+    for (const std::string& plant : plants().names())
+      if (has_agent_profile(preset, agent, plant)) return agent;
+  }
+  throw Bug(cat("the preset ", preset.name, " is of no use"));
+}
+
 CatalogueKind agent_kind() {
   CatalogueKind kind{"agent", "agents", {}};
   for (const Entry<Agent>& entry : agents().entries()) {
@@ -131,7 +140,7 @@ CatalogueKind preset_kind() {
     CatalogueItem item{preset.name, preset.summary, {}, {}, {}, {}, {}};
     item.notes = {{"plants", of.empty() ? "none; a profile of agents" : join(of, ", ")}};
     item.text = preset_file(preset.name);
-    item.example = of.empty() ? policy_example(agents().names().front(), preset.name)
+    item.example = of.empty() ? policy_example(agent_of(preset), preset.name)
                               : cat("plant = { kind = \"", of.front(), "\", preset = \"", preset.name, "\" }");
     kind.items.push_back(std::move(item));
   }

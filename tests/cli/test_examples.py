@@ -79,6 +79,8 @@ def desk(tmp_path_factory):
 
 
 def shortened(command):
+    if command.startswith("gust run studies/a"):  # every agent, for minutes or hours: here it is enough that it would run
+        return command.replace("gust run", "gust plan", 1)
     added = next((words for start, words in SHORT.items() if command.startswith(f"gust {start}")), "")
     if "--steps" in added:
         command = re.sub(r" --steps \w+", "", command)
@@ -107,7 +109,8 @@ def test_the_documents_and_the_help_show_commands():
 
 
 def test_settings_that_the_documents_show_fit_the_demo(desk):
-    shown = [words for path in DOCUMENTS for words in re.findall(r"`(--set\s[^`]*)`", path.read_text())]
+    documents = [path for path in DOCUMENTS if path.name != "agents.md"]  # whose settings are of other studies
+    shown = [words for path in documents for words in re.findall(r"`(--set\s[^`]*)`", path.read_text())]
     shown = [" ".join(words.split()) for words in shown if "key=value" not in words]
     assert len(shown) >= 2
     for words in shown:

@@ -7,10 +7,10 @@ namespace {
 /// probability of at least 0.47: a normal one (number 0, 2, 4 … of the stream) where the range is wider than two
 /// deviations, else a uniform one with the density's height.
 struct Normal {
-  double mean = 0.0;
-  double deviation = 1.0;
-  double low = -2.0;
-  double high = 2.0;
+  double mean = 0.5;
+  double deviation = 0.1;
+  double low = 0.3;
+  double high = 0.7;
 
   static constexpr std::tuple kFields = {
       field("mean", &Normal::mean, "where values are densest; between low and high"),

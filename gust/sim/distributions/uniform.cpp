@@ -4,7 +4,7 @@ namespace gust {
 namespace {
 
 struct Uniform {
-  double low = 0.0;
+  double low = 0.1;
   double high = 1.0;
 
   static constexpr std::tuple kFields = {
