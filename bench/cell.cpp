@@ -28,7 +28,7 @@ void cell(benchmark::State& state, double physics_rate) {
   evaluation.starts = {random_starts()};
   Mlp<float> mlp({{4, 64, 64, 1}, Activation::kTanh});
   initialise_uniform(mlp, Rng(1));
-  const auto policy = network_policy(read_onnx(write_onnx(mlp, {}), "bench"));
+  const auto policy = network_policy(read_onnx(write_onnx({mlp}, {}), "bench"));
   const MetricSet metrics;
 
   double best = 1e300;
