@@ -1,18 +1,8 @@
-#include <doctest/doctest.h>
-
-#include "gust/agents/agent.h"
+#include "gust/agents/agent_fixture_test.h"
 
 using namespace gust;
 
 namespace {
-
-using Options = std::vector<std::pair<std::string, Value>>;
-
-Value number(double value) { return {value, {"test"}}; }
-Value integer(std::int64_t value) { return {value, {"test"}}; }
-Value text(const char* value) { return {std::string(value), {"test"}}; }
-
-Made<Plant> cartpole() { return plants().make({{{"kind", text("cartpole")}}, {"test"}}); }
 
 Made<Agent> raac(Options options) {
   options.push_back({"kind", text("raac")});

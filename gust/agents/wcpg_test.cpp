@@ -1,24 +1,15 @@
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "gust/agents/agent_fixture_test.h"
 #include "gust/agents/off_policy_training.h"
 #include "gust/nn/onnx.h"
 
 using namespace gust;
 
 namespace {
-
-using Options = std::vector<std::pair<std::string, Value>>;
-
-Value number(double value) { return {value, {"test"}}; }
-Value integer(std::int64_t value) { return {value, {"test"}}; }
-Value text(const char* value) { return {std::string(value), {"test"}}; }
-
-Made<Plant> cartpole() { return plants().make({{{"kind", text("cartpole")}}, {"test"}}); }
 
 Made<Agent> wcpg(Options options) {
   options.push_back({"kind", text("wcpg")});

@@ -12,16 +12,11 @@ CurvePosition on_square(double scale, double period, double time) {
   const double whole = std::floor(sides);
   const double along = scale * (sides - whole);
   const double speed = 4.0 * scale / period;
-  switch (static_cast<long>(whole) % 4) {
-    case 0:
-      return {0, 0, along, speed};
-    case 1:
-      return {-along, -speed, scale, 0};
-    case 2:
-      return {-scale, 0, scale - along, -speed};
-    default:
-      return {along - scale, speed, 0, 0};
-  }
+  const double side = std::fmod(whole, 4.0);  // no integer need hold the number of rounds
+  if (side == 0.0) return {0, 0, along, speed};
+  if (side == 1.0) return {-along, -speed, scale, 0};
+  if (side == 2.0) return {-scale, 0, scale - along, -speed};
+  return {along - scale, speed, 0, 0};
 }
 
 }  // namespace

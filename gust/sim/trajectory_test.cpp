@@ -48,6 +48,13 @@ TEST_CASE("a square has four corners at the quarters of its period") {
   CHECK(side.b == 2.0);
 }
 
+TEST_CASE("a square that is run through more often than an integer can count stays on its sides") {
+  const Trajectory frantic{"square", 2, 1e-300};
+  const CurvePosition at = curve_position(frantic, 1.0);
+  CHECK((at.a >= -2.0 && at.a <= 0.0));
+  CHECK((at.b >= 0.0 && at.b <= 2.0));
+}
+
 TEST_CASE("a figure of eight crosses its centre twice in a period") {
   const Trajectory eight{"figure8", 1, 4};
   for (const double time : {0.0, 2.0, 4.0}) {
