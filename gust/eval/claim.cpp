@@ -125,6 +125,24 @@ std::string_view ruling_name(Ruling ruling) {
   return "not testable";
 }
 
+Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data) {
+  Formula::Judged judged;
+  try {
+    judged = formula.judge(names, data);
+  } catch (const NotTestable& missing) {
+    return {{}, {Ruling::not_testable, missing.what()}};
+  }
+  const Interval measured = interval_of(judged.measured);
+  const Interval margin = interval_of(judged.truth.margin);
+  const std::string found = interval_text(measured);
+  if (std::isnan(margin.estimate)) return {measured, {Ruling::not_testable, "the estimate is not a number"}};
+  if (std::isnan(margin.low) || std::isnan(margin.high))
+    return {measured, {Ruling::not_testable, cat(found, "; a resample is not a number")}};
+  if (margin.low >= 0) return {measured, {Ruling::holds, found}};
+  if (margin.high < 0) return {measured, {Ruling::fails, found}};
+  return {measured, {Ruling::undecided, cat(found, "; true in some resamples of the seeds, false in others")}};
+}
+
 Verdict decide(const Claim& claim, const Interval& interval) {
   const std::string found = cat(claim.metric, " = ", interval_text(interval));
   if (!std::isfinite(interval.estimate)) return {Ruling::not_testable, cat(claim.metric, " has no finite value")};

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "gust/core/value.h"
+#include "gust/eval/formula.h"
 #include "gust/eval/interval.h"
 
 namespace gust {
@@ -34,6 +35,16 @@ struct Verdict {
   Ruling ruling = Ruling::not_testable;
   std::string reason;  ///< a sentence with the numbers
 };
+
+/// What a formula's statement came to.
+struct Finding {
+  Interval measured;  ///< of what it measures (Formula::Judged)
+  Verdict verdict;
+};
+
+/// Holds if the statement is true throughout the interval of its margin, fails if nowhere, else it is undecided.
+/// Without an interval, or where data are missing, it is not testable.
+Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data);
 
 /// Holds if the whole interval satisfies the claim, fails if none of it does, else it is undecided. Without an interval
 /// (one value only, or none that is finite) the claim is not testable: a single number says nothing about the next one.

@@ -42,7 +42,7 @@ struct Interval {
   std::size_t n = 0;  ///< how many units there were, in a comparison those of the smaller side that varies
 };
 
-/// "0.953 [0.91, 0.987] (10 seeds)", to four significant digits.
+/// "0.953 [0.91, 0.987] (10 seeds)", to four significant digits; without the units where they are of several kinds.
 std::string interval_text(const Interval& interval);
 
 }  // namespace gust

@@ -11,6 +11,7 @@
 #include "gust/eval/aggregate.h"
 #include "gust/eval/compare.h"
 #include "gust/eval/margin.h"
+#include "gust/eval/rank_correlation.h"
 #include "gust/eval/statistics.h"
 #include "gust/eval/survival.h"
 
@@ -83,6 +84,15 @@ TEST_CASE("statistics agree with NumPy, SciPy and rliable") {
     const auto shares = numbers(theirs.at("shares"));
     const auto quantiles = numbers(theirs.at("quantiles"));
     for (std::size_t i = 0; i < shares.size(); ++i) CHECK(equal(quantile(values, shares[i]), quantiles[i]));
+  }
+}
+
+TEST_CASE("correlations agree with SciPy, ties included") {
+  for (const Json& row : reference("correlations")) {
+    const std::vector<double> x = numbers(row["x"]), y = numbers(row["y"]), expected = numbers(row["r_rho_tau"]);
+    CHECK(equal(pearson(x, y), expected[0]));
+    CHECK(equal(spearman(x, y), expected[1]));
+    CHECK(equal(kendall(x, y), expected[2]));
   }
 }
 

@@ -102,10 +102,10 @@ void parse_sweeps(const Table& table, Study& study) {
 }
 
 void parse_head(const Table& table, Study& study) {
-  check_keys(
-      table,
-      {"schema", "name", "question", "seed", "plant", "readings", "evaluate", "policy", "sweep", "claim", "report"},
-      "the study");
+  check_keys(table,
+             {"schema", "name", "question", "seed", "plant", "readings", "evaluate", "policy", "sweep", "names",
+              "claim", "report"},
+             "the study");
   const Value* schema = table.find("schema");
   if (schema == nullptr) throw error_at(table.place, "a study begins with 'schema = ", kSchema, "'");
   if (schema->as_int("schema") != kSchema) {
@@ -137,6 +137,13 @@ std::size_t Sweep::cells() const {
   std::size_t cells = 1;
   for (const Axis& axis : axes) cells *= axis.values.size();
   return cells;
+}
+
+std::size_t margin_metric(const Study& study) {
+  for (const std::size_t metric : study.metrics) {
+    if (study.metric_set[metric].higher_is_better() && study.metric_set.name(metric) != "survival") return metric;
+  }
+  return study.metric_set.index("anr_h", {});
 }
 
 const std::string& required_text(const Table& table, std::string_view key, std::string_view what) {
@@ -191,6 +198,7 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
   }
   if (study.policies.empty()) throw error_at(table.place, "a study needs at least one [[policy]]");
   parse_sweeps(table, study);
+  if (const Value* names = table.find("names")) study.names = parse_names(names->as_table("names"));
   for (const Table* claim : tables_of(table, "claim")) {
     study.claims.push_back(parse_claim_of(*claim, study));
     for (std::size_t i = 0; i + 1 < study.claims.size(); ++i) {

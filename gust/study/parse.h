@@ -15,7 +15,10 @@ StudyPolicy parse_policy(const Table& table, const Study& study, const FindFiles
 /// [[sweep]]
 Sweep parse_sweep(const Table& table, const Study& study);
 
-/// [[claim]]; `study` already has its policies and sweeps.
+/// [names]: what claims call things.
+FormulaNames parse_names(const Table& table);
+
+/// [[claim]]; `study` already has its policies, sweeps and names.
 StudyClaim parse_claim_of(const Table& table, const Study& study);
 
 /// [report]; `study` already has its policies.

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cmath>
 
-#include "gust/eval/claim.h"
 #include "gust/study/parse.h"
 
 namespace gust {
@@ -76,43 +74,6 @@ void parse_disturbance(const Table& table, const Study& study, Sweep& sweep) {
   if (!sweep.automatic) sweep.axes.front().values = parse_levels(*levels, "levels");
 }
 
-/// What stands on an axis: all of it if that is short, else the value nearest to the one that was wanted.
-std::string offer(const Sweep::Axis& axis, double wanted) {
-  constexpr std::size_t kShort = 12;
-  const std::vector<double>& values = axis.values;
-  if (values.size() <= kShort) return cat("it has ", canonical_text(values));
-  const auto nearest = std::ranges::min_element(values, {}, [&](double v) { return std::abs(v - wanted); });
-  return cat("the nearest of its ", values.size(), " is ", *nearest);
-}
-
-/// One value per axis of the sweep: `level`, or the parameters by name.
-std::vector<double> claim_point(const Table& where, const Sweep& sweep) {
-  std::vector<double> at;
-  for (const Sweep::Axis& axis : sweep.axes) {
-    const std::string key = axis.parameter.empty() ? "level" : axis.parameter;
-    const Value* value = where.find(key);
-    if (value == nullptr) throw error_at(where.place, "'where' needs '", key, "' for sweep '", sweep.name, "'");
-    const double wanted = value->as_number(key);
-    const auto nearest = std::ranges::find_if(
-        axis.values, [&](double v) { return std::abs(v - wanted) <= 1e-9 * std::max(1.0, std::abs(v)); });
-    if (nearest == axis.values.end() && !sweep.automatic) {
-      throw error_at(value->place, "sweep '", sweep.name, "' has no ", key, " ", wanted, "; ", offer(axis, wanted));
-    }
-    at.push_back(nearest == axis.values.end() ? wanted : *nearest);
-  }
-  return at;
-}
-
-template <class Item>
-const Item& named(const std::vector<Item>& items, const Value& name, const char* what) {
-  std::vector<std::string> names;
-  for (const Item& item : items) {
-    if (item.name == name.as_text(what)) return item;
-    names.push_back(item.name);
-  }
-  throw error_at(name.place, "unknown ", what, " '", name.as_text(what), "'", did_you_mean(name.as_text(what), names));
-}
-
 }  // namespace
 
 std::vector<double> parse_levels(const Value& value, std::string_view what) {
@@ -141,43 +102,6 @@ Sweep parse_sweep(const Table& table, const Study& study) {
   if (sweep.cells() > kMostCells)
     throw error_at(table.place, "sweep '", sweep.name, "' has ", sweep.cells(), " cells; at most ", kMostCells);
   return sweep;
-}
-
-StudyClaim parse_claim_of(const Table& table, const Study& study) {
-  check_keys(table, {"id", "text", "where", "holds", "required"}, "a claim");
-  StudyClaim claim;
-  claim.place = table.place;
-  claim.id = checked_name(table, "id", "a claim");
-  if (table.contains("text")) claim.text = required_text(table, "text", "a claim");
-  claim.holds = required_text(table, "holds", "a claim");
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < study.metric_set.size(); ++i) names.push_back(study.metric_set.name(i));
-  parse_claim(claim.holds, names, table.find("holds")->place);
-  if (const Value* required = table.find("required")) claim.required = required->as_bool("required");
-
-  const Value* where_value = table.find("where");
-  if (where_value == nullptr)
-    throw error_at(table.place, "a claim needs 'where', such as { policy = \"ppo\", sweep = \"step\", level = 2 }");
-  const Table& where = where_value->as_table("where");
-  const Value* policy = where.find("policy");
-  if (policy == nullptr) throw error_at(where.place, "'where' needs a 'policy'");
-  claim.policy = named(study.policies, *policy, "policy").name;
-  std::vector<std::string> known = {"policy", "sweep", "start"};
-  claim.start = study.starts.front().name;
-  for (const StartProtocol& start : study.starts) {
-    if (start.random) claim.start = start.name;  // the protocol that carries intervals
-  }
-  if (const Value* start = where.find("start")) claim.start = named(study.starts, *start, "start").name;
-  if (const Value* name = where.find("sweep")) {
-    const Sweep& sweep = named(study.sweeps, *name, "sweep");
-    claim.sweep = sweep.name;
-    claim.at = claim_point(where, sweep);
-    for (const Sweep::Axis& axis : sweep.axes) known.push_back(axis.parameter.empty() ? "level" : axis.parameter);
-  } else if (const Value* level = where.find("level")) {
-    throw error_at(level->place, "a 'level' needs its 'sweep' beside it; without one a claim is about no disturbance");
-  }
-  check_keys(where, known, "'where'");
-  return claim;
 }
 
 }  // namespace gust

@@ -5,6 +5,7 @@
 
 #include "gust/agents/agent.h"
 #include "gust/control/lqr.h"
+#include "gust/eval/claim.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
 #include "gust/study/setup.h"
@@ -51,11 +52,13 @@ struct Sweep {
   std::size_t cells() const;
 };
 
-/// A statement about the outcome, decided with an interval.
+/// A statement about the outcome, decided with an interval: a bound for one metric in one place, or a formula.
 struct StudyClaim {
   std::string id;
   std::string text;
-  std::string holds;  ///< "survival >= 0.95"
+  std::string holds;               ///< "survival >= 0.95", or the formula's text
+  std::optional<Formula> formula;  ///< if it says no `where`
+  std::string metric;              ///< of the formula's score()
   std::string policy;
   std::string sweep;       ///< empty: undisturbed
   std::vector<double> at;  ///< level, or one value per axis
@@ -92,12 +95,17 @@ struct Study {
   std::vector<Injection> always;     ///< on in every evaluation
   std::vector<StudyPolicy> policies;
   std::vector<Sweep> sweeps;
+  FormulaNames names;  ///< for formulas
   std::vector<StudyClaim> claims;
   TraceRule traces;
   std::vector<ReferenceCurve> reference_curves;
   MetricSet metric_set;
   std::vector<std::vector<StudyPolicy::File>> found;  ///< every file that was read, by pattern, in the order of asking
 };
+
+/// What margins are of, and score() in claims: the first leading metric that is better when higher, but not survival,
+/// which has no slope.
+std::size_t margin_metric(const Study& study);
 
 /// Finds and reads the files of a pattern such as "policies/*.onnx", sorted by path.
 using FindFiles = std::function<std::vector<StudyPolicy::File>(const std::string& pattern, const Place& place)>;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <fstream>
 #include <thread>
 
 #include "gust/eval/aggregate.h"
 #include "gust/eval/survival.h"
-#include "gust/study/rows.h"
+#include "gust/study/claim_scores.h"
+#include "gust/study/member_rows.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -16,70 +16,6 @@ namespace {
 
 constexpr std::size_t kBandResamples = 2'000;     // of each cell's interval
 constexpr std::size_t kMarginResamples = 10'000;  // of margins and claims
-
-/// The trials of one policy's members over one sweep.
-struct Group {
-  std::size_t policy = 0;
-  std::size_t sweep = Trial::kNominal;
-  std::vector<std::size_t> trials;
-};
-
-std::vector<Group> groups_of(const Plan& plan) {
-  std::vector<Group> groups;
-  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
-    const Trial& trial = plan.trials[i];
-    if (trial.kind != Trial::Kind::kEvaluate) continue;
-    const auto same = [&](const Group& group) { return group.policy == trial.policy && group.sweep == trial.sweep; };
-    auto at = std::ranges::find_if(groups, same);
-    if (at == groups.end()) at = groups.insert(groups.end(), {trial.policy, trial.sweep, {}});
-    at->trials.push_back(i);
-  }
-  return groups;
-}
-
-/// The rows of several members of a policy, read cell by cell side by side.
-class MemberRows {
- public:
-  MemberRows(const Plan& plan, const Group& group, const Store& store, std::vector<std::string>& missing) {
-    for (const std::size_t index : group.trials) {
-      const Trial& trial = plan.trials[index];
-      std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
-      if (!stored) {
-        missing.push_back(trial.what);
-        continue;
-      }
-      streams_.push_back(std::make_unique<std::ifstream>(stored->open(kRowsFile)));
-      readers_.emplace_back(*streams_.back(), trial.id);
-    }
-  }
-
-  std::size_t members() const { return readers_.size(); }
-  const RowsHeader& header() const { return readers_.front().header(); }
-
-  /// Reads the next cell of every member; false after the last.
-  bool next() {
-    cells_.clear();
-    for (RowsReader& reader : readers_) cells_.push_back(reader.next());
-    return !cells_.empty() && !cells_.front().empty();
-  }
-
-  /// One metric from one start: members x episodes, or one episode where all are the same one.
-  Matrix<double> values(std::size_t start, std::size_t metric, bool repeats) const {
-    const std::size_t episodes = repeats ? 1 : static_cast<std::size_t>(header().episodes);
-    const std::size_t metrics = header().metrics.size();
-    Matrix<double> values(cells_.size(), episodes);
-    for (std::size_t m = 0; m < cells_.size(); ++m) {
-      const double* first = cells_[m].data() + start * static_cast<std::size_t>(header().episodes) * metrics + metric;
-      for (std::size_t e = 0; e < episodes; ++e) values.at(m, e) = first[e * metrics];
-    }
-    return values;
-  }
-
- private:
-  std::vector<std::unique_ptr<std::ifstream>> streams_;
-  std::vector<RowsReader> readers_;
-  std::vector<std::span<const double>> cells_;
-};
 
 /// What a margin needs of the cells so far: seed means for several seeds, else the episodes.
 struct MarginScores {
@@ -106,6 +42,8 @@ struct MarginScores {
   }
 };
 
+Rng resampling_stream(const Study& study) { return Rng(static_cast<std::uint64_t>(study.seed)).split("bootstrap"); }
+
 /// What one thread needs to summarise group after group.
 class Summariser {
  public:
@@ -116,8 +54,8 @@ class Summariser {
         metrics_(summarised_metrics(study)),
         margin_metric_(margin_metric),
         survival_(study.metric_set.index("survival", {})),
-        bands_(stream(study), kBandResamples),
-        margins_(stream(study), kMarginResamples) {}
+        bands_(resampling_stream(study), kBandResamples),
+        margins_(resampling_stream(study), kMarginResamples) {}
 
   struct Part {
     std::vector<Series> series;
@@ -125,7 +63,7 @@ class Summariser {
     std::vector<std::string> missing;
   };
 
-  Part summarise(const Group& group) {
+  Part summarise(const TrialGroup& group) {
     Part part;
     MemberRows rows(plan_, group, store_, part.missing);
     if (rows.members() == 0) return part;
@@ -136,7 +74,8 @@ class Summariser {
     for (std::size_t cell = 0; rows.next(); ++cell) {
       for (std::size_t start = 0; start < starts; ++start) {
         fill_cell(rows, cell, part.series[start]);
-        if (has_margin(group)) kept[start].append(rows.values(start, margin_metric_, repeats(group, start)));
+        if (has_margin(group))
+          kept[start].append(rows.values(start, margin_metric_, episodes_repeat(study_, group.sweep, start)));
         judge_claims(rows, cell, part.series[start], part.claims);
       }
     }
@@ -146,24 +85,13 @@ class Summariser {
   }
 
  private:
-  static Rng stream(const Study& study) { return Rng(static_cast<std::uint64_t>(study.seed)).split("bootstrap"); }
-
-  bool repeats(const Group& group, std::size_t start) const {
-    if (study_.starts[start].random) return false;
-    bool noisy = false;
-    for (const Injection& injection : study_.always) noisy = noisy || injection.waveform->random();
-    if (group.sweep == Trial::kNominal) return !noisy;
-    const auto& injection = study_.sweeps[group.sweep].injection;
-    return !noisy && !(injection && injection->waveform->random());
-  }
-
-  bool has_margin(const Group& group) const {
+  bool has_margin(const TrialGroup& group) const {
     if (group.sweep == Trial::kNominal) return false;
     const Sweep& sweep = study_.sweeps[group.sweep];
     return sweep.injection && sweep.axes.front().values.size() > 1;
   }
 
-  Series empty_series(const Group& group, std::size_t start, const RowsHeader& header) const {
+  Series empty_series(const TrialGroup& group, std::size_t start, const RowsHeader& header) const {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     Series series{.policy = group.policy, .sweep = group.sweep, .start = start};
     series.cells = static_cast<std::size_t>(header.cells);
@@ -174,7 +102,7 @@ class Summariser {
 
   /// An interval for what the page leads with, the mean alone for the rest.
   void fill_cell(const MemberRows& rows, std::size_t cell, Series& series) {
-    const bool same = repeats({series.policy, series.sweep, {}}, series.start);
+    const bool same = episodes_repeat(study_, series.sweep, series.start);
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::size_t metric = metrics_[i];
       const Matrix<double> values = rows.values(series.start, metric, same);
@@ -208,6 +136,7 @@ class Summariser {
   void judge_claims(const MemberRows& rows, std::size_t cell, const Series& series,
                     std::vector<ClaimVerdict>& verdicts) {
     for (const StudyClaim& claim : study_.claims) {
+      if (claim.formula) continue;
       if (claim.policy != study_.policies[series.policy].name || claim.start != study_.starts[series.start].name)
         continue;
       if (!stands_at(claim, series.sweep, cell)) continue;
@@ -215,7 +144,7 @@ class Summariser {
       for (std::size_t i = 0; i < study_.metric_set.size(); ++i) names.push_back(study_.metric_set.name(i));
       const Claim parsed = parse_claim(claim.holds, names, claim.place);
       const std::size_t metric = study_.metric_set.index(parsed.metric, claim.place);
-      const bool same = repeats({series.policy, series.sweep, {}}, series.start);
+      const bool same = episodes_repeat(study_, series.sweep, series.start);
       const Interval measured = measure(rows.values(series.start, metric, same), metric, margins_);
       verdicts.push_back({&claim, measured, decide(parsed, measured)});
     }
@@ -249,12 +178,13 @@ class Summariser {
   Bootstrap margins_;
 };
 
-/// Margins are of a score: the first leading metric that is better when higher, but not survival, which has no slope.
-std::size_t margin_metric_of(const Study& study) {
-  for (const std::size_t metric : study.metrics) {
-    if (study.metric_set[metric].higher_is_better() && study.metric_set.name(metric) != "survival") return metric;
+void judge_formulas(const Study& study, const Plan& plan, const Store& store, std::vector<ClaimVerdict>& verdicts) {
+  for (const StudyClaim& claim : study.claims) {
+    if (!claim.formula) continue;
+    const ClaimScores scores({{&study, &plan, &store}}, {claim.metric, claim.start}, resampling_stream(study));
+    Finding finding = judge(*claim.formula, study.names, scores);
+    verdicts.push_back({&claim, finding.measured, std::move(finding.verdict)});
   }
-  return study.metric_set.index("anr_h", {});
 }
 
 }  // namespace
@@ -268,7 +198,7 @@ const Estimate& Series::at(std::size_t metric, std::size_t cell) const {
 std::vector<std::size_t> summarised_metrics(const Study& study) {
   std::vector<std::size_t> metrics = study.metrics;
   const std::size_t more[] = {study.metric_set.index("survival", {}), study.metric_set.index("saturation", {}),
-                              margin_metric_of(study)};
+                              margin_metric(study)};
   for (const std::size_t metric : more) {
     if (std::ranges::find(metrics, metric) == metrics.end()) metrics.push_back(metric);
   }
@@ -283,9 +213,9 @@ const Series* Summary::find(std::size_t policy, std::size_t sweep, std::size_t s
 }
 
 Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads) {
-  const std::vector<Group> groups = groups_of(plan);
+  const std::vector<TrialGroup> groups = trial_groups(plan);
   Summary summary;
-  summary.margin_metric = margin_metric_of(study);
+  summary.margin_metric = margin_metric(study);
   std::vector<Summariser::Part> parts(groups.size());
   std::vector<std::exception_ptr> errors(groups.size());
   std::atomic<std::size_t> next = 0;
@@ -310,6 +240,7 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
     std::ranges::move(parts[i].claims, std::back_inserter(summary.claims));
     std::ranges::move(parts[i].missing, std::back_inserter(summary.missing));
   }
+  judge_formulas(study, plan, store, summary.claims);
   std::ranges::sort(summary.claims, {}, [&](const ClaimVerdict& verdict) { return verdict.claim; });
   return summary;
 }

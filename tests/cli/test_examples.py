@@ -130,6 +130,19 @@ def test_a_study_that_is_shown_runs(gust, tmp_path, text):
     assert (tmp_path / "first-look.gust/report.html").stat().st_size > 100_000
 
 
+def test_a_formula_that_is_shown_fits_a_study(gust, tmp_path):
+    policies = '[[policy]]\nname = "lqr"\nkind = "lqr"\n' + "".join(
+        f'[[policy]]\nname = "{agent}"\nkind = "train"\nagent = {{ kind = "{agent}" }}\nseeds = [1, 2]\n' for agent in ("ppo", "sac")
+    )
+    sweep = '[[sweep]]\nname = "action step"\nsite = "action"\nwaveform = "step"\nlevels = { from = 0, to = 3, count = 4 }\n'
+    claims = [text for name, text in blocks("toml") if name == "study.md" and "[[claim]]" in text and "schema" not in text]
+    assert claims
+
+    for text in claims:
+        (tmp_path / "piece.toml").write_text(HEAD + 'plant = { kind = "cartpole" }\n' + policies + sweep + text)
+        assert "trials" in gust("plan", "piece.toml").stderr
+
+
 PIECES = sorted({text for name, text in blocks("toml") if name == "catalog.md"})
 HEAD = 'schema = 1\nname = "piece"\n'
 NEEDED = {"plant = ": 'plant = { kind = "cartpole" }\n', "[[policy]]": '[[policy]]\nname = "nothing"\nkind = "zero"\n'}

@@ -205,6 +205,16 @@ def margins(rng):
     return rows
 
 
+def correlations():
+    pairs = [
+        ([0.1, 0.5, 0.2, 0.9, 0.4], [1.0, 2.0, 1.0, 1.5, 2.5]),
+        ([0.0, 0.1, 0.2, 0.3, 0.5, 0.8, 1.3], [0.98, 0.97, 0.99, 0.62, 0.61, 0.05, 0.05]),
+        ([3.0, 1.0, 2.0, 2.0, 1.0, 3.0], [1.0, 1.0, 2.0, 3.0, 3.0, 2.0]),
+    ]
+    functions = [scipy.stats.pearsonr, scipy.stats.spearmanr, scipy.stats.kendalltau]
+    return [{"x": x, "y": y, "r_rho_tau": [plain(f(x, y)[0]) for f in functions]} for x, y in pairs]
+
+
 def main():
     rng = np.random.default_rng(20231)
     data = {
@@ -217,6 +227,7 @@ def main():
         "improvement_intervals": improvement_intervals(rng),
         "differences": differences(rng),
         "margins": margins(rng),
+        "correlations": correlations(),
     }
     lines = ",\n".join(f" {json.dumps(key)}: {json.dumps(value)}" for key, value in data.items())
     pathlib.Path(__file__).with_name("statistics.json").write_text("{\n" + lines + "\n}\n")

@@ -1,0 +1,264 @@
+#include "gust/eval/formula.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "gust/core/text.h"
+#include "gust/eval/formula_functions.h"
+#include "gust/eval/formula_parser.h"
+
+namespace gust {
+namespace {
+
+using Node = Formula::Node;
+
+constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+
+/// By how much a > b, or a >= b, holds; equal infinities are equal.
+double above(double a, double b, bool strict) {
+  const double margin = a == b ? 0.0 : a - b;
+  return strict && margin == 0.0 ? -kLeast : margin;
+}
+double negated(double margin) { return margin == 0.0 ? -kLeast : -margin; }
+
+Truth related(std::string_view sign, const Sampled& left, const Sampled& right) {
+  if (sign == "==" || sign == "!=") {
+    const Sampled apart = combine(left, right, [](double a, double b) { return a == b ? 0.0 : -std::abs(a - b); });
+    return {sign == "==" ? apart : combine(apart, negated)};
+  }
+  const bool strict = sign.size() == 1;
+  if (sign.front() == '>') return {combine(left, right, [strict](double a, double b) { return above(a, b, strict); })};
+  return {combine(left, right, [strict](double a, double b) { return above(b, a, strict); })};
+}
+
+Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
+  switch (sign) {
+    case '+':
+      return combine(left, right, std::plus<>());
+    case '-':
+      return combine(left, right, std::minus<>());
+    case '*':
+      return combine(left, right, std::multiplies<>());
+    default:
+      return combine(left, right, std::divides<>());
+  }
+}
+
+class Evaluator {
+ public:
+  Evaluator(std::string_view text, const Place& place, FormulaNames names, const FormulaData& data)
+      : text_(text), place_(place), names_(std::move(names)), data_(data) {}
+
+  FormulaValue value(const Node& node) {
+    switch (node.kind) {
+      case Node::Kind::number:
+        return {Sampled::constant(node.number)};
+      case Node::Kind::text:
+        return {filled(node)};
+      case Node::Kind::name:
+        return named(node, node.text);
+      case Node::Kind::call:
+        return called(node);
+      case Node::Kind::list:
+        return {FormulaList{values(node.parts), {}}};
+      case Node::Kind::each:
+        return {each(node)};
+      case Node::Kind::arithmetic:
+        return {calculated(node.text.front(), number(node.parts[0], node), number(node.parts[1], node))};
+      case Node::Kind::relation:
+        return {relation(node)};
+      case Node::Kind::logic:
+        break;
+    }
+    return {logic(node)};
+  }
+
+ private:
+  template <class... Parts>
+  Error error(const Node& node, const Parts&... parts) const {
+    return formula_error(place_, text_, node.column, parts...);
+  }
+
+  /// What get() gives; an Error that it throws is told with the node's column.
+  template <class Get>
+  auto placed(const Node& node, Get get) const {
+    try {
+      return get();
+    } catch (const Error& problem) {
+      throw error(node, problem.what());
+    }
+  }
+
+  Sampled number(const Node& part, const Node& of) {
+    const FormulaValue found = value(part);
+    return placed(of, [&] { return found.as_number(cat("'", of.text, "'")); });
+  }
+  Sampled margin(const Node& part, const Node& of) {
+    const FormulaValue found = value(part);
+    return placed(of, [&] { return found.as_truth(cat("'", of.text, "'")).margin; });
+  }
+
+  std::vector<FormulaValue> values(const std::vector<Node>& parts) {
+    std::vector<FormulaValue> values;
+    for (const Node& part : parts) values.push_back(value(part));
+    return values;
+  }
+
+  FormulaValue named(const Node& node, const std::string& name) const {
+    std::vector<std::string> known;
+    for (std::size_t i = names_.size(); i-- > 0;) {
+      if (names_[i].first == name) return names_[i].second;
+      known.push_back(names_[i].first);
+    }
+    throw error(node, "unknown name '", name, "'", did_you_mean(name, known));
+  }
+
+  /// The text with every {name} replaced by what it stands for.
+  std::string filled(const Node& node) const {
+    std::string result;
+    std::string_view rest = node.text;
+    while (true) {
+      const std::size_t open = rest.find('{');
+      const std::size_t close = open == std::string_view::npos ? open : rest.find('}', open);
+      if (close == std::string_view::npos) return result.append(rest);
+      result.append(rest.substr(0, open));
+      const std::string name(rest.substr(open + 1, close - open - 1));
+      const FormulaValue found = named(node, name);
+      const auto* text = std::get_if<std::string>(&found.data);
+      result += text ? *text : cat(placed(node, [&] { return found.as_number(cat("'{", name, "}'")); }).estimate());
+      rest.remove_prefix(close + 1);
+    }
+  }
+
+  FormulaValue called(const Node& node) {
+    const std::vector<FormulaValue> arguments = values(node.parts);
+    std::vector<std::string> known = data_.functions();
+    if (std::ranges::find(known, node.text) != known.end())
+      return placed(node, [&] { return data_.call(node.text, arguments); });
+    for (const FormulaFunction& function : formula_functions()) {
+      known.emplace_back(function.name);
+      if (function.name != node.text) continue;
+      if (arguments.size() < function.least || arguments.size() > function.most)
+        throw error(node, "'", node.text, "' is called as ", node.text, "(", function.arguments, ")");
+      return placed(node, [&] { return function.call(arguments); });
+    }
+    throw error(node, "unknown function '", node.text, "'", did_you_mean(node.text, known));
+  }
+
+  Truth relation(const Node& node) {
+    const FormulaValue left = value(node.parts[0]), right = value(node.parts[1]);
+    const auto* text = std::get_if<std::string>(&left.data);
+    const auto* other = std::get_if<std::string>(&right.data);
+    if (text != nullptr && other != nullptr && (node.text == "==" || node.text == "!="))
+      return {Sampled::constant((*text == *other) == (node.text == "==") ? 1.0 : -1.0)};
+    const std::string what = cat("'", node.text, "'");
+    return placed(node, [&] { return related(node.text, left.as_number(what), right.as_number(what)); });
+  }
+
+  Truth logic(const Node& node) {
+    const Sampled first = margin(node.parts[0], node);
+    if (node.text == "not") return {combine(first, negated)};
+    const Sampled second = margin(node.parts[1], node);
+    const bool both = node.text == "and";
+    return {combine(first, second, [both](double a, double b) {
+      if (std::isnan(a) || std::isnan(b)) return a + b;
+      return both ? std::min(a, b) : std::max(a, b);
+    })};
+  }
+
+  /// The items that a `for` makes. A list over numbers that ascend is a curve along them.
+  FormulaList each(const Node& node) {
+    const FormulaValue over = value(node.parts[0]);
+    const FormulaList list = placed(node, [&] { return over.as_list("'for'"); });
+    FormulaList result;
+    for (const FormulaValue& item : list.items) {
+      names_.emplace_back(node.text, item);
+      add(node, item, result);
+      names_.pop_back();
+    }
+    if (result.axis.size() != result.items.size()) result.axis.clear();
+    return result;
+  }
+
+  void add(const Node& node, const FormulaValue& item, FormulaList& result) {
+    const Node& inner = node.parts[1];
+    if (inner.kind == Node::Kind::each) {
+      for (FormulaValue& made : each(inner).items) result.items.push_back(std::move(made));
+      return;
+    }
+    if (node.parts.size() == 3 && margin(node.parts[2], node).estimate() < 0) return;
+    result.items.push_back(value(inner));
+    const auto* number = std::get_if<Sampled>(&item.data);
+    if (number == nullptr || !number->is_constant()) return;
+    const double place = number->estimate();
+    if (result.axis.size() + 1 == result.items.size() && (result.axis.empty() || result.axis.back() < place))
+      result.axis.push_back(place);
+  }
+
+  std::string_view text_;
+  const Place& place_;
+  FormulaNames names_;
+  const FormulaData& data_;
+};
+
+Error wrong_type(std::string_view what, std::string_view expected, const FormulaValue& value) {
+  return Error(cat(what, " needs ", expected, ", got ", value.type()));
+}
+
+}  // namespace
+
+std::string_view FormulaValue::type() const {
+  constexpr std::string_view kTypes[] = {"a number", "a statement", "text", "a list"};
+  return kTypes[data.index()];
+}
+
+const Sampled& FormulaValue::as_number(std::string_view what) const {
+  if (const auto* number = std::get_if<Sampled>(&data)) return *number;
+  throw wrong_type(what, "a number", *this);
+}
+
+const Truth& FormulaValue::as_truth(std::string_view what) const {
+  if (const auto* truth = std::get_if<Truth>(&data)) return *truth;
+  throw wrong_type(what, "a statement such as a > b", *this);
+}
+
+const std::string& FormulaValue::as_text(std::string_view what) const {
+  if (const auto* text = std::get_if<std::string>(&data)) return *text;
+  throw wrong_type(what, "a name in quotes", *this);
+}
+
+const FormulaList& FormulaValue::as_list(std::string_view what) const {
+  if (const auto* list = std::get_if<FormulaList>(&data)) return *list;
+  throw wrong_type(what, "a list", *this);
+}
+
+std::vector<Sampled> FormulaValue::as_numbers(std::string_view what) const {
+  std::vector<Sampled> numbers;
+  for (const FormulaValue& item : as_list(what).items) numbers.push_back(item.as_number(what));
+  return numbers;
+}
+
+Formula::Formula(std::string_view text, const Place& place)
+    : text_(text), place_(place), root_(parse_formula(text, place)) {}
+
+FormulaValue Formula::evaluate(const FormulaNames& names, const FormulaData& data) const {
+  return Evaluator(text_, place_, names, data).value(root_);
+}
+
+Formula::Judged Formula::judge(const FormulaNames& names, const FormulaData& data) const {
+  Evaluator evaluator(text_, place_, names, data);
+  const FormulaValue found = evaluator.value(root_);
+  if (!std::holds_alternative<Truth>(found.data))
+    throw formula_error(place_, text_, 1, "a claim is a statement such as a > b, this is ", found.type());
+  const Truth& truth = std::get<Truth>(found.data);
+  if (root_.kind != Node::Kind::relation) return {truth.margin, truth};
+  const FormulaValue left = evaluator.value(root_.parts[0]), right = evaluator.value(root_.parts[1]);
+  if (!std::holds_alternative<Sampled>(left.data)) return {truth.margin, truth};
+  const Sampled& value = std::get<Sampled>(left.data);
+  const Sampled& bound = std::get<Sampled>(right.data);
+  return {bound.is_constant() ? value : combine(value, bound, std::minus<>()), truth};
+}
+
+}  // namespace gust

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "gust/core/value.h"
+#include "gust/eval/sampled.h"
+
+namespace gust {
+
+/// How true a statement is in each resample: by how much it holds. It is true where the margin is not negative; a
+/// strict relation between equals falls short by the least number there is.
+struct Truth {
+  Sampled margin;
+};
+
+struct FormulaValue;
+
+/// Values in a row; of a curve, `axis` says where each one stands (a level, a step), else it is empty.
+struct FormulaList {
+  std::vector<FormulaValue> items;
+  std::vector<double> axis;
+};
+
+/// What a part of a formula comes to.
+struct FormulaValue {
+  std::variant<Sampled, Truth, std::string, FormulaList> data;
+
+  /// "a number", "a statement", "text" or "a list", for messages.
+  std::string_view type() const;
+
+  // Each throws an Error that names the function or operator if the value is of another type.
+  const Sampled& as_number(std::string_view what) const;
+  const Truth& as_truth(std::string_view what) const;
+  const std::string& as_text(std::string_view what) const;
+  const FormulaList& as_list(std::string_view what) const;
+  /// All items of a list as numbers.
+  std::vector<Sampled> as_numbers(std::string_view what) const;
+};
+
+/// A question that the data cannot answer, with the datum that is missing.
+class NotTestable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The functions of a formula that speak of data: scores, learning curves, tables.
+class FormulaData {
+ public:
+  virtual ~FormulaData() = default;
+  virtual std::vector<std::string> functions() const = 0;
+  /// Throws Error if the arguments make no sense, NotTestable if what they ask for is not there.
+  virtual FormulaValue call(std::string_view function, const std::vector<FormulaValue>& arguments) const = 0;
+};
+
+/// Names that stand for values, such as agents = ["ppo", "sac"].
+using FormulaNames = std::vector<std::pair<std::string, FormulaValue>>;
+
+/// A statement about data as text, such as
+///     min(area(score(a, "action {w}")) for a in agents for w in waves) > 0.5
+/// with numbers, 'text' with {names} filled in, lists [a, b] and [x for a in list if y], + - * /, relations,
+/// and / or / not, functions of lists (formula_functions.cpp) and of data. A filter looks at the estimate alone.
+class Formula {
+ public:
+  /// Throws Error with the place of the text and the column within it.
+  Formula(std::string_view text, const Place& place);
+
+  const std::string& text() const { return text_; }
+
+  /// Throws Error where names, types or arguments are wrong, NotTestable where data are missing.
+  FormulaValue evaluate(const FormulaNames& names, const FormulaData& data) const;
+
+  /// What the statement measures and how true it is: of `x > 3` x, of a relation between two measured numbers their
+  /// difference, of anything else the margin itself.
+  struct Judged {
+    Sampled measured;
+    Truth truth;
+  };
+  Judged judge(const FormulaNames& names, const FormulaData& data) const;
+
+  /// A part of a formula.
+  struct Node {
+    enum class Kind { number, text, name, call, list, each, arithmetic, relation, logic };
+    Kind kind = Kind::number;
+    std::string text = {};  ///< the operator, name or text; of `each` the variable
+    double number = 0;
+    std::vector<Node> parts = {};  ///< of `each`: the list, what is made of each item, and perhaps a filter
+    std::size_t column = 1;
+  };
+
+ private:
+  std::string text_;
+  Place place_;
+  Node root_;
+};
+
+}  // namespace gust

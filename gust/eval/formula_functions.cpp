@@ -1,0 +1,205 @@
+#include "gust/eval/formula_functions.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "gust/eval/margin.h"
+#include "gust/eval/rank_correlation.h"
+#include "gust/eval/statistics.h"
+
+namespace gust {
+namespace {
+
+using Arguments = std::vector<FormulaValue>;
+using Values = std::span<const double>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The numbers of one list, or the arguments themselves where they are numbers.
+std::vector<Sampled> numbers_of(const Arguments& arguments, std::string_view what) {
+  std::vector<Sampled> numbers;
+  if (arguments.size() == 1) {
+    numbers = arguments[0].as_numbers(what);
+  } else {
+    for (const FormulaValue& argument : arguments) numbers.push_back(argument.as_number(what));
+  }
+  if (numbers.empty()) throw NotTestable(cat("'", what, "' of nothing"));
+  return numbers;
+}
+
+std::vector<Sampled> margins_of(const FormulaValue& list, std::string_view what) {
+  std::vector<Sampled> margins;
+  for (const FormulaValue& item : list.as_list(what).items) margins.push_back(item.as_truth(what).margin);
+  if (margins.empty()) throw NotTestable(cat("'", what, "' of nothing"));
+  return margins;
+}
+
+/// The extreme of the values by an order; not a number where one of them is none.
+template <class Order>
+double extreme(Values values, Order order) {
+  double best = values.front();
+  for (const double value : values) {
+    if (std::isnan(value) || order(value, best)) best = value;
+  }
+  return best;
+}
+double smallest(Values values) { return extreme(values, std::less<>()); }
+double largest(Values values) { return extreme(values, std::greater<>()); }
+double total(Values values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum;
+}
+double holding(Values margins) {
+  return static_cast<double>(std::ranges::count_if(margins, [](double margin) { return margin >= 0; }));
+}
+
+template <double (*kOf)(Values)>
+FormulaValue of_numbers(const Arguments& arguments) {
+  return {combine(numbers_of(arguments, "a function of numbers"), kOf)};
+}
+template <double (*kOf)(Values)>
+FormulaValue of_margins(const Arguments& arguments) {
+  return {Truth{combine(margins_of(arguments[0], "all or any"), kOf)}};
+}
+FormulaValue count(const Arguments& arguments) { return {combine(margins_of(arguments[0], "count"), holding)}; }
+FormulaValue share(const Arguments& arguments) {
+  return {combine(margins_of(arguments[0], "share"),
+                  [](Values margins) { return holding(margins) / static_cast<double>(margins.size()); })};
+}
+FormulaValue absolute(const Arguments& arguments) {
+  return {combine(arguments[0].as_number("abs"), [](double value) { return std::abs(value); })};
+}
+
+/// A list with an axis.
+struct CurveArgument {
+  const std::vector<double>& axis;
+  std::vector<Sampled> values;
+};
+CurveArgument curve_of(const FormulaValue& value, std::string_view what) {
+  const FormulaList& list = value.as_list(what);
+  if (list.axis.empty()) throw Error(cat("'", what, "' needs a curve: scores along levels, or along another number"));
+  return {list.axis, value.as_numbers(what)};
+}
+
+FormulaValue levels(const Arguments& arguments) {
+  FormulaList list;
+  list.axis = curve_of(arguments[0], "levels").axis;
+  for (const double at : list.axis) list.items.push_back({Sampled::constant(at)});
+  return {std::move(list)};
+}
+
+/// The value at a place, straight between two points.
+FormulaValue at(const Arguments& arguments) {
+  const CurveArgument curve = curve_of(arguments[0], "at");
+  const Sampled& where = arguments[1].as_number("at");
+  if (!where.is_constant()) throw Error("'at' needs a fixed place");
+  const double x = where.estimate();
+  const auto after = std::ranges::lower_bound(curve.axis, x);
+  if (after == curve.axis.end() || x < curve.axis.front())
+    throw NotTestable(cat(x, " lies beyond the levels, ", curve.axis.front(), " to ", curve.axis.back()));
+  const auto right = static_cast<std::size_t>(after - curve.axis.begin());
+  if (*after == x) return {curve.values[right]};
+  const double share = (x - curve.axis[right - 1]) / (curve.axis[right] - curve.axis[right - 1]);
+  return {combine(curve.values[right - 1], curve.values[right],
+                  [share](double a, double b) { return a + share * (b - a); })};
+}
+
+/// A number that is made of a curve's axis and its values in each resample.
+template <class Function>
+FormulaValue of_curve(const FormulaValue& value, std::string_view what, Function function) {
+  const CurveArgument curve = curve_of(value, what);
+  if (curve.values.empty()) throw NotTestable(cat("'", what, "' of nothing"));
+  return {combine(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
+}
+
+FormulaValue area(const Arguments& arguments) {
+  return of_curve(arguments[0], "area", [](Values x, Values y) {
+    if (x.size() == 1) return y[0];
+    double sum = 0;
+    for (std::size_t i = 1; i < x.size(); ++i) sum += 0.5 * (x[i] - x[i - 1]) * (y[i] + y[i - 1]);
+    return sum / (x.back() - x.front());
+  });
+}
+FormulaValue half(const Arguments& arguments) {
+  return of_curve(arguments[0], "half", [](Values x, Values y) { return crossing(x, y, kHalfScore); });
+}
+FormulaValue margin_of(const Arguments& arguments) {
+  return of_curve(arguments[0], "margin", [](Values x, Values y) { return crossing(x, y, MarginRule{}); });
+}
+FormulaValue reach(const Arguments& arguments) {
+  const CurveArgument curve = curve_of(arguments[0], "reach");
+  std::vector<Sampled> numbers = curve.values;
+  numbers.push_back(arguments[1].as_number("reach"));
+  return {combine(numbers, [&](Values values) {
+    for (std::size_t i = 0; i < curve.axis.size(); ++i) {
+      if (values[i] >= values.back()) return curve.axis[i];
+    }
+    return kInfinity;
+  })};
+}
+FormulaValue drop(const Arguments& arguments) {
+  return of_curve(arguments[0], "drop", [](Values, Values y) {
+    double most = 0;
+    for (std::size_t i = 1; i < y.size(); ++i) most = std::max(most, y[i - 1] - y[i]);
+    return most;
+  });
+}
+FormulaValue argmax(const Arguments& arguments) {
+  return of_curve(arguments[0], "argmax", [](Values x, Values y) {
+    return x[static_cast<std::size_t>(std::ranges::max_element(y) - y.begin())];
+  });
+}
+FormulaValue straightness(const Arguments& arguments) {
+  return of_curve(arguments[0], "straightness", [](Values x, Values y) {
+    const double r = pearson(x, y);
+    return r * r;
+  });
+}
+
+/// A correlation of two lists, or of a curve with its axis.
+template <double (*kOf)(Values, Values)>
+FormulaValue correlation(const Arguments& arguments) {
+  constexpr std::string_view kWhat = "a rank correlation";
+  if (arguments.size() == 1) return of_curve(arguments[0], kWhat, kOf);
+  std::vector<Sampled> numbers = arguments[0].as_numbers(kWhat);
+  const std::vector<Sampled> others = arguments[1].as_numbers(kWhat);
+  if (numbers.size() != others.size())
+    throw Error(cat(kWhat, " needs lists of one length, got ", numbers.size(), " and ", others.size()));
+  numbers.insert(numbers.end(), others.begin(), others.end());
+  const std::size_t size = others.size();
+  return {combine(numbers, [size](Values both) { return kOf(both.first(size), both.last(size)); })};
+}
+
+constexpr FormulaFunction kFunctions[] = {
+    {"mean", "list", "of a list of numbers, or of several numbers", 1, 99, of_numbers<mean>},
+    {"median", "list", "of the same", 1, 99, of_numbers<median>},
+    {"min", "list", "the least", 1, 99, of_numbers<smallest>},
+    {"max", "list", "the greatest", 1, 99, of_numbers<largest>},
+    {"sum", "list", "of the same", 1, 99, of_numbers<total>},
+    {"abs", "number", "without its sign", 1, 1, absolute},
+    {"all", "list", "whether every statement of a list holds", 1, 1, of_margins<smallest>},
+    {"any", "list", "whether one of them does", 1, 1, of_margins<largest>},
+    {"count", "list", "how many of them hold", 1, 1, count},
+    {"share", "list", "which share of them holds, 0 to 1", 1, 1, share},
+    {"levels", "curve", "where its values stand: levels, or steps", 1, 1, levels},
+    {"at", "curve, place", "its value there, straight between two points", 2, 2, at},
+    {"area", "curve", "the area under it over its width: the mean value", 1, 1, area},
+    {"half", "curve", "the first level with less than half of the first value; infinite if there is none", 1, 1, half},
+    {"margin", "curve", "the level at which it falls below 90 % of its first value, between levels", 1, 1, margin_of},
+    {"reach", "curve, bound", "the first place at which it is at least the bound; infinite if there is none", 2, 2,
+     reach},
+    {"drop", "curve", "the greatest fall from one point to the next", 1, 1, drop},
+    {"argmax", "curve", "where it is greatest, the first place of several", 1, 1, argmax},
+    {"straightness", "curve", "R^2 of a straight line through it", 1, 1, straightness},
+    {"spearman", "list, list", "rank correlation of two lists, or of one curve with its axis", 1, 2,
+     correlation<spearman>},
+    {"kendall", "list, list", "Kendall's tau-b of the same", 1, 2, correlation<kendall>},
+};
+
+}  // namespace
+
+std::span<const FormulaFunction> formula_functions() { return kFunctions; }
+
+}  // namespace gust

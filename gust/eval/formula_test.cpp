@@ -1,0 +1,148 @@
+#include "gust/eval/formula.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "gust/eval/claim.h"
+#include "gust/eval/formula_functions.h"
+
+using namespace gust;
+
+namespace {
+
+/// Two policies along three levels, each score with two resamples: r(policy) is a curve, r(policy, level) a number.
+class TwoPolicies final : public FormulaData {
+ public:
+  std::vector<std::string> functions() const override { return {"r", "gone"}; }
+  FormulaValue call(std::string_view function, const std::vector<FormulaValue>& arguments) const override {
+    if (function == "gone") throw NotTestable("not measured: gone");
+    const std::string& policy = arguments.at(0).as_text("'r'");
+    if (policy != "ppo" && policy != "lqr") throw Error(cat("unknown policy '", policy, "'"));
+    const double best = policy == "lqr" ? 1.0 : 0.8;
+    FormulaList curve{{}, {0.0, 1.0, 3.0}};
+    for (const double level : curve.axis) {
+      const double score = best * (1.0 - level / 4.0);
+      curve.items.push_back({Sampled{{score, score - 0.125, score + 0.125}}});
+    }
+    return {curve};
+  }
+};
+
+const FormulaNames kNames = {{"agents", {FormulaList{{{std::string("ppo")}, {std::string("lqr")}}, {}}}}};
+
+FormulaValue evaluated(std::string_view text) { return Formula(text, {"study", 3, 9}).evaluate(kNames, TwoPolicies()); }
+double number(std::string_view text) { return evaluated(text).as_number("a test").estimate(); }
+bool truth(std::string_view text) { return evaluated(text).as_truth("a test").margin.estimate() >= 0; }
+Finding judged(std::string_view text) { return judge(Formula(text, {"study"}), kNames, TwoPolicies()); }
+std::string problem(std::string_view text) {
+  try {
+    evaluated(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("arithmetic has the usual precedence") {
+  CHECK(number("1 + 2 * 3 - 8 / 4 / 2") == 6.0);
+  CHECK(number("-(1 - 2) * 3") == 3.0);
+  CHECK(number("--2 - -1") == 3.0);
+}
+
+TEST_CASE("relations, and, or, not are what they are elsewhere") {
+  CHECK(truth("1 < 2 and 2 <= 2 and not 3 <= 2"));
+  CHECK(truth("1 > 2 or 2 != 3"));
+  CHECK_FALSE(truth("2 > 2"));
+  CHECK_FALSE(truth("not 2 >= 2"));
+  CHECK(truth("not 2 > 2"));
+  CHECK(truth("'a' == 'a' and 'a' != 'b'"));
+  CHECK_FALSE(truth("1 / 0 > 1 / 0"));
+  CHECK(truth("1 / 0 >= 1 / 0"));
+}
+
+TEST_CASE("lists are made of lists, the last variable fastest, and a filter leaves items out") {
+  CHECK(number("sum([10 * a + b for a in [1, 2] for b in [3, 4] if a != b])") == 13 + 14 + 23 + 24);
+  CHECK(number("sum(b for a in [1, 2] for b in [a, 5] if b > a)") == 10);
+  CHECK(number("count(a == 'lqr' for a in agents)") == 1.0);
+  CHECK(number("max(at(r(a), 0) for a in agents)") == 1.0);
+}
+
+TEST_CASE("texts are filled in with names and numbers") {
+  CHECK(truth("all('{a} at {k}' == 'ppo at 0.5' for a in ['ppo'] for k in [0.5])"));
+  CHECK(truth("'no {brace' == 'no {brace'"));
+  CHECK(problem("'{nobody}' == 'x'").ends_with("column 1: unknown name 'nobody'"));
+}
+
+TEST_CASE("functions of curves") {
+  CHECK(number("area(r('lqr'))") == doctest::Approx((0.875 + 2 * 0.5) / 3).epsilon(1e-15));
+  CHECK(number("at(r('lqr'), 2)") == 0.5);
+  CHECK(number("half(r('lqr'))") == 3.0);
+  CHECK(number("margin(r('lqr'))") == doctest::Approx(0.4).epsilon(1e-12));
+  CHECK(number("drop(r('lqr'))") == 0.5);
+  CHECK(number("reach([k * k for k in [1, 2, 3]], 4)") == 2.0);
+  CHECK(std::isinf(number("reach(r('lqr'), 2)")));
+  CHECK(number("argmax([-(k - 2) * (k - 2) for k in [1, 2, 3]])") == 2.0);
+  CHECK(number("straightness(r('ppo'))") == doctest::Approx(1.0).epsilon(1e-12));
+  CHECK(number("spearman(r('ppo'))") == -1.0);
+  CHECK(number("kendall([1, 2, 3], [1, 3, 2])") == doctest::Approx(1.0 / 3.0).epsilon(1e-12));
+  CHECK(number("sum(levels(r('ppo')))") == 4.0);
+  CHECK(number("share(at(r('ppo'), k) > 0.5 for k in levels(r('ppo')))") == doctest::Approx(2.0 / 3.0));
+}
+
+TEST_CASE("a claim holds where all resamples do, fails where none does, else it is undecided") {
+  CHECK(judged("at(r('lqr'), 0) > 0.5").verdict.ruling == Ruling::holds);
+  CHECK(judged("at(r('lqr'), 0) > 1.5").verdict.ruling == Ruling::fails);
+  CHECK(judged("at(r('lqr'), 0) > 1").verdict.ruling == Ruling::undecided);
+  CHECK(judged("gone('lqr') > 1").verdict.ruling == Ruling::not_testable);
+  CHECK(judged("gone('lqr') > 1").verdict.reason == "not measured: gone");
+  CHECK(judged("at(r('lqr'), 4) > 1").verdict.ruling == Ruling::not_testable);
+}
+
+TEST_CASE("what policies share cancels in their difference, and the finding is that difference") {
+  const Finding finding = judged("at(r('lqr'), 0) > at(r('ppo'), 0)");
+
+  CHECK(finding.verdict.ruling == Ruling::holds);
+  CHECK(finding.measured.estimate == doctest::Approx(0.2).epsilon(1e-12));
+  CHECK(finding.measured.low == doctest::Approx(0.2).epsilon(1e-12));
+}
+
+TEST_CASE("what is wrong with a formula is said with its column") {
+  const std::string head = "study:3:9: claim '";
+
+  CHECK(problem("1 +") == head + "1 +', column 4: expected a number, a 'text', a name or a function");
+  CHECK(problem("are(r('ppo'))") == head + "are(r('ppo'))', column 1: unknown function 'are'; did you mean 'area'?");
+  CHECK(problem("r('pop')") == head + "r('pop')', column 1: unknown policy 'pop'");
+  CHECK(problem("min(x for x in agnets)") ==
+        head + "min(x for x in agnets)', column 16: unknown name 'agnets'; did you mean 'agents'?");
+  CHECK(problem("1 + 'a'") == head + "1 + 'a'', column 3: '+' needs a number, got text");
+  CHECK(problem("at(r('ppo'))") == head + "at(r('ppo'))', column 1: 'at' is called as at(curve, place)");
+  CHECK(problem("'open") == head + "'open', column 1: the quoted text has no end");
+  CHECK(problem("1 ; 2") == head + "1 ; 2', column 3: ';' means nothing here");
+  CHECK(problem("(1").ends_with("column 3: expected ')'"));
+  CHECK(problem("1 2").ends_with("column 3: expected nothing more"));
+  CHECK(problem("area([1, 2])").ends_with("'area' needs a curve: scores along levels, or along another number"));
+  CHECK(problem("[x for x in 3]").ends_with("'for' needs a list, got a number"));
+  CHECK(problem(std::string(100, '(') + "1").find("nested too deep") != std::string::npos);
+  CHECK(problem("[1e999]").ends_with("expected a finite number"));
+}
+
+TEST_CASE("a claim must be a statement") {
+  CHECK_THROWS_WITH(judged("area(r('ppo'))"),
+                    "study: claim 'area(r('ppo'))', column 1: a claim is a statement such as a > b, this is a number");
+}
+
+TEST_CASE("docs/study.md lists every function as the program has it") {
+  std::ifstream file(GUST_TEST_DATA "/../docs/study.md");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+
+  for (const FormulaFunction& function : formula_functions()) {
+    const std::string row = cat("| `", function.name, "(", function.arguments, ")` | ", function.summary, " |\n");
+    CAPTURE(row);
+    CHECK(text.find(row) != std::string::npos);
+  }
+}

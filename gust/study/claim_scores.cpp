@@ -1,0 +1,248 @@
+#include "gust/study/claim_scores.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/text.h"
+#include "gust/eval/aggregate.h"
+#include "gust/eval/statistics.h"
+#include "gust/study/trials.h"
+
+namespace gust {
+namespace {
+
+constexpr std::size_t kResamples = 2'000;
+
+/// The statistic of the units' values and of as many resamples of them. Of one unit there is no resample that would say
+/// anything: its are not numbers.
+template <class Statistic>
+Sampled sampled(std::span<const double> units, Bootstrap& bootstrap, Statistic statistic) {
+  Sampled result{std::vector<double>(1 + bootstrap.resamples(), std::numeric_limits<double>::quiet_NaN())};
+  result.values[0] = statistic(units);
+  if (units.size() < 2) return result;
+  const std::size_t strata[] = {units.size()};
+  std::vector<double> drawn;
+  bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
+    for (std::size_t k = 0; k < times.lanes; ++k) {
+      drawn.clear();
+      for (std::size_t u = 0; u < units.size(); ++u) drawn.insert(drawn.end(), times.at(u, k), units[u]);
+      result.values[1 + first + k] = statistic(std::span<const double>(drawn));
+    }
+  });
+  return result;
+}
+
+std::vector<std::string> names_of(const auto& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  return names;
+}
+
+/// The levels of an axis; of a grid that is still to be found, any two.
+std::vector<double> levels_of(const Sweep& sweep, std::size_t axis) {
+  const std::vector<double>& levels = sweep.axes[axis].values;
+  return levels.empty() ? std::vector<double>{0.0, 1.0} : levels;
+}
+
+template <class Items>
+std::size_t index_of(const Items& items, const std::string& name) {
+  return static_cast<std::size_t>(std::ranges::find(items, name, &Items::value_type::name) - items.begin());
+}
+
+FormulaList listed(const std::vector<double>& axis, std::span<const Sampled> values) {
+  FormulaList list;
+  list.axis = axis;
+  for (const Sampled& value : values) list.items.push_back({value});
+  return list;
+}
+
+void check_count(std::string_view function, const std::vector<FormulaValue>& arguments, std::size_t most) {
+  if (arguments.empty() || arguments.size() > most)
+    throw Error(cat("'", function, "' takes 1 to ", most, " arguments, got ", arguments.size()));
+}
+
+}  // namespace
+
+ClaimScores::ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng)
+    : sources_(std::move(sources)), view_(std::move(view)), rng_(rng) {}
+
+std::vector<std::string> ClaimScores::functions() const {
+  std::vector<std::string> names = {"score", "values", "curve", "curve_spread"};
+  const MetricSet& metrics = sources_.front().study->metric_set;
+  for (std::size_t i = 0; i < metrics.size(); ++i) names.push_back(metrics.name(i));
+  return names;
+}
+
+FormulaValue ClaimScores::call(std::string_view function, const Arguments& arguments) const {
+  if (function == "values") return values(arguments);
+  if (function == "curve") return curve(arguments);
+  if (function == "curve_spread") return spread(arguments);
+  return score(function == "score" ? view_.metric : std::string(function), arguments);
+}
+
+std::optional<std::size_t> ClaimScores::fewest_seeds() const { return std::exchange(fewest_seeds_, std::nullopt); }
+
+ClaimScores::Place ClaimScores::find(const Arguments& arguments, std::string_view function) const {
+  const std::string& policy = arguments[0].as_text(cat("'", function, "'"));
+  const std::string sweep = arguments.size() < 2 ? "" : arguments[1].as_text(cat("'", function, "'"));
+  std::vector<std::string> policies, sweeps;
+  for (const ClaimSource& source : sources_) {
+    const Study& study = *source.study;
+    const Place place{&source, index_of(study.policies, policy),
+                      sweep.empty() ? Trial::kNominal : index_of(study.sweeps, sweep)};
+    const bool has_policy = place.policy < study.policies.size();
+    if (has_policy && (sweep.empty() || place.sweep < study.sweeps.size())) return place;
+    std::ranges::move(names_of(study.policies), std::back_inserter(policies));
+    if (has_policy) std::ranges::move(names_of(study.sweeps), std::back_inserter(sweeps));
+  }
+  if (std::ranges::find(policies, policy) == policies.end())
+    throw Error(cat("unknown policy '", policy, "'", did_you_mean(policy, policies)));
+  throw Error(cat("policy '", policy, "' has no sweep '", sweep, "'", did_you_mean(sweep, sweeps)));
+}
+
+const Sweep& ClaimScores::sweep_of(const FormulaValue& name) const {
+  const std::string& text = name.as_text("'values'");
+  std::vector<std::string> sweeps;
+  for (const ClaimSource& source : sources_) {
+    const std::size_t at = index_of(source.study->sweeps, text);
+    if (at < source.study->sweeps.size()) return source.study->sweeps[at];
+    std::ranges::move(names_of(source.study->sweeps), std::back_inserter(sweeps));
+  }
+  throw Error(cat("unknown sweep '", text, "'", did_you_mean(text, sweeps)));
+}
+
+void ClaimScores::count_seeds(const Place& place) const {
+  const StudyPolicy& policy = place.source->study->policies[place.policy];
+  if (policy.kind != StudyPolicy::Kind::kTrain) return;
+  fewest_seeds_ = std::min(fewest_seeds_.value_or(policy.count()), policy.count());
+}
+
+FormulaValue ClaimScores::score(const std::string& metric, const Arguments& arguments) const {
+  check_count(metric, arguments, 3);
+  const Place place = find(arguments, metric);
+  count_seeds(place);
+  if (place.sweep == Trial::kNominal) return {cells(place, metric).front()};
+  const Sweep& sweep = place.source->study->sweeps[place.sweep];
+  const std::vector<Sweep::Axis>& axes = sweep.axes;
+  const std::vector<Sampled>& all = cells(place, metric);
+  if (axes.size() == 1) {
+    if (arguments.size() == 3) throw Error("a curve has one axis; its value at a level is at(score(…), level)");
+    return {listed(levels_of(sweep, 0), all)};
+  }
+  if (arguments.size() < 3) return {listed({}, all)};
+  const Sampled& row = arguments[2].as_number(cat("'", metric, "'"));
+  const auto at = std::ranges::find(axes[0].values, row.estimate());
+  if (at == axes[0].values.end())
+    throw Error(cat("the grid has no ", axes[0].parameter, " of ", row.estimate(), "; see values(grid)"));
+  const std::size_t width = axes[1].values.size();
+  const auto first = static_cast<std::size_t>(at - axes[0].values.begin()) * width;
+  return {listed(axes[1].values, std::span(all).subspan(first, width))};
+}
+
+FormulaValue ClaimScores::values(const Arguments& arguments) const {
+  check_count("values", arguments, 2);
+  const Sweep& sweep = sweep_of(arguments[0]);
+  const double which = arguments.size() == 2 ? arguments[1].as_number("'values'").estimate() : 1.0;
+  if (!(which >= 1.0) || which > static_cast<double>(sweep.axes.size()))
+    throw Error(cat("the sweep has ", sweep.axes.size(), " axes, not ", which));
+  const std::vector<double> levels = levels_of(sweep, static_cast<std::size_t>(which) - 1);
+  std::vector<Sampled> constants;
+  for (const double level : levels) constants.push_back(Sampled::constant(level));
+  return {listed(levels, constants)};
+}
+
+FormulaValue ClaimScores::curve(const Arguments& arguments) const {
+  check_count("curve", arguments, 2);
+  const bool own = arguments.size() == 2 && arguments[1].as_text("'curve'") == "protagonist";
+  if (arguments.size() == 2 && !own) throw Error("the second argument of 'curve' may be 'protagonist'");
+  const Place place = find({arguments[0]}, "curve");
+  count_seeds(place);
+  Bootstrap& bootstrap = resampling(place.source->study->policies[place.policy].name);
+  const std::vector<std::vector<CurvePoint>> seeds = curves(place);
+  FormulaList list;
+  for (std::size_t i = 0; i < seeds.front().size(); ++i) {
+    std::vector<double> units;
+    for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].anr_h);
+    const CurvePoint& point = seeds.front()[i];
+    list.axis.push_back(static_cast<double>(own ? point.protagonist_steps : point.steps));
+    list.items.push_back({sampled(units, bootstrap, mean)});
+  }
+  return {std::move(list)};
+}
+
+FormulaValue ClaimScores::spread(const Arguments& arguments) const {
+  check_count("curve_spread", arguments, 1);
+  const Place place = find(arguments, "curve_spread");
+  count_seeds(place);
+  Bootstrap& bootstrap = resampling(place.source->study->policies[place.policy].name);
+  const std::vector<std::vector<CurvePoint>> seeds = curves(place);
+  FormulaList list;
+  for (std::size_t i = 0; i < seeds.front().size(); ++i) {
+    std::vector<double> units;
+    for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].anr_h);
+    list.axis.push_back(static_cast<double>(seeds.front()[i].steps));
+    list.items.push_back({sampled(units, bootstrap, sample_deviation)});
+  }
+  return {std::move(list)};
+}
+
+const std::vector<Sampled>& ClaimScores::cells(const Place& place, const std::string& metric) const {
+  const std::string key = cat(place.source - sources_.data(), "/", place.policy, "/", place.sweep, "/", metric);
+  const auto known = known_.find(key);
+  return known != known_.end() ? known->second : known_.emplace(key, read_cells(place, metric)).first->second;
+}
+
+std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::string& metric) const {
+  const Study& study = *place.source->study;
+  const std::size_t index = study.metric_set.index(metric, {"score"});
+  const std::size_t start = index_of(study.starts, view_.start);
+  if (start == study.starts.size()) throw Error(cat("the study '", study.name, "' has no start '", view_.start, "'"));
+  if (place.source->store == nullptr) {
+    std::size_t count = 1;
+    for (std::size_t a = 0; place.sweep != Trial::kNominal && a < study.sweeps[place.sweep].axes.size(); ++a)
+      count *= levels_of(study.sweeps[place.sweep], a).size();
+    return std::vector<Sampled>(count, Sampled::constant(1.0));
+  }
+  std::vector<std::string> missing;
+  std::vector<Sampled> cells;
+  for (const TrialGroup& group : trial_groups(*place.source->plan)) {
+    if (group.policy != place.policy || group.sweep != place.sweep) continue;
+    MemberRows rows(*place.source->plan, group, *place.source->store, missing);
+    if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
+    Bootstrap& bootstrap = resampling(study.policies[place.policy].name);
+    const bool repeats = episodes_repeat(study, place.sweep, start);
+    while (rows.next())
+      cells.push_back(sampled(unit_values(rows.values(start, index, repeats).view()), bootstrap, mean));
+  }
+  if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
+  return cells;
+}
+
+std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) const {
+  const StudyPolicy& policy = place.source->study->policies[place.policy];
+  if (policy.kind != StudyPolicy::Kind::kTrain)
+    throw Error(cat("policy '", policy.name, "' is not trained: it has no learning curve"));
+  std::vector<std::vector<CurvePoint>> curves;
+  if (place.source->store == nullptr) {
+    curves.push_back({{.steps = 0, .anr_h = 1}, {.steps = 1, .anr_h = 1, .protagonist_steps = 1}});
+    return curves;
+  }
+  for (const Trial& trial : place.source->plan->trials) {
+    if (trial.kind != Trial::Kind::kTrain || trial.policy != place.policy) continue;
+    const std::optional<StoredTrial> stored = place.source->store->load(kind_name(trial.kind), trial.id);
+    if (!stored) throw NotTestable(cat("not measured: ", trial.what));
+    curves.push_back(read_curve(stored->read(kCurveFile), trial.id));
+  }
+  GUST_CHECK(!curves.empty());
+  std::size_t shortest = curves.front().size();
+  for (const auto& curve : curves) shortest = std::min(shortest, curve.size());
+  for (auto& curve : curves) curve.resize(shortest);
+  if (shortest == 0) throw NotTestable(cat("a training of '", policy.name, "' ended before its first point"));
+  return curves;
+}
+
+Bootstrap& ClaimScores::resampling(const std::string& policy) const {
+  return resampling_.try_emplace(policy, rng_.split("claims").split(policy), kResamples).first->second;
+}
+
+}  // namespace gust

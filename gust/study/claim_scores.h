@@ -1,0 +1,79 @@
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "gust/eval/bootstrap.h"
+#include "gust/eval/formula.h"
+#include "gust/study/member_rows.h"
+
+namespace gust {
+
+/// A study with what has become of it. Without a store it is all shape: every score is 1.
+struct ClaimSource {
+  const Study* study = nullptr;
+  const Plan* plan = nullptr;
+  const Store* store = nullptr;
+};
+
+/// How claims look at scores.
+struct ClaimView {
+  std::string metric;  ///< what score() means
+  std::string start;   ///< of the evaluations
+};
+
+/// The functions of claims that speak of studies. A policy and a sweep are looked up in the first study that has both.
+///
+///     score(policy)                     undisturbed, a number
+///     score(policy, sweep)              along the sweep, a curve
+///     score(policy, grid, value)        along a grid's second axis where the first one has the value
+///     anr_h(…), survival(…), …          the same of any other metric
+///     values(sweep), values(sweep, 2)   a list of a sweep's levels, or of those of its second axis
+///     curve(policy), curve(policy, 'protagonist')   the learning curve, return / horizon, against all steps or those
+///                                       that the policy itself has learned from
+///     curve_spread(policy)              the standard deviation of its seeds, against all steps
+///
+/// Every number is the mean over training seeds (over episodes for a policy that is one alone), and its resamples draw
+/// whole seeds: the same ones for all that is asked of a policy, so that what its scores share cancels. Policies are
+/// drawn independently of each other.
+class ClaimScores final : public FormulaData {
+ public:
+  ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng);
+
+  std::vector<std::string> functions() const override;
+  FormulaValue call(std::string_view function, const std::vector<FormulaValue>& arguments) const override;
+
+  /// The fewest seeds of any trained policy that was asked for since the last question; none if there was none.
+  std::optional<std::size_t> fewest_seeds() const;
+
+ private:
+  struct Place {
+    const ClaimSource* source = nullptr;
+    std::size_t policy = 0;
+    std::size_t sweep = Trial::kNominal;
+  };
+  using Arguments = std::vector<FormulaValue>;
+
+  Place find(const Arguments& arguments, std::string_view function) const;
+  const Sweep& sweep_of(const FormulaValue& name) const;
+  FormulaValue score(const std::string& metric, const Arguments& arguments) const;
+  FormulaValue values(const Arguments& arguments) const;
+  FormulaValue curve(const Arguments& arguments) const;
+  FormulaValue spread(const Arguments& arguments) const;
+  /// One number a cell of a sweep.
+  const std::vector<Sampled>& cells(const Place& place, const std::string& metric) const;
+  std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;
+  /// The learning curves of a policy's seeds, all as long as the shortest.
+  std::vector<std::vector<CurvePoint>> curves(const Place& place) const;
+  void count_seeds(const Place& place) const;
+  Bootstrap& resampling(const std::string& policy) const;
+
+  std::vector<ClaimSource> sources_;
+  ClaimView view_;
+  Rng rng_;
+  mutable std::map<std::string, std::vector<Sampled>> known_;
+  mutable std::map<std::string, Bootstrap> resampling_;
+  mutable std::optional<std::size_t> fewest_seeds_;
+};
+
+}  // namespace gust

@@ -1,0 +1,134 @@
+#include "gust/study/claim_scores.h"
+
+#include <doctest/doctest.h>
+
+#include "gust/eval/aggregate.h"
+#include "gust/study/run.h"
+#include "gust/study/study_fixture.h"
+#include "gust/study/summary.h"
+
+using namespace gust;
+using namespace gust::test;
+
+namespace {
+
+const char* const kClaim = "[[claim]]\nid = \"falls\"\nwhere = { policy = \"nothing\" }\nholds = \"survival <= 0.8\"\n";
+
+/// The small study with a claim that is a formula, run.
+struct RunStudy {
+  ScratchFolder folder;
+  Study study;
+  Store store;
+  Plan plan;
+  Summary summary;
+
+  RunStudy(const std::string& name, const std::string& claim)
+      : folder(name),
+        study(small_study({}, changed(kClaim, claim))),
+        store(folder.path / "store", Store::Access::write),
+        plan(run_study(study, store, {.threads = 1, .stop = {}, .watch = {}}).plan),
+        summary(summarise(study, plan, store, 1)) {}
+
+  FormulaValue value(std::string_view text, const ClaimView& view) const {
+    const ClaimScores scores({{&study, &plan, &store}}, view, Rng(1));
+    return Formula(text, {"test"}).evaluate(study.names, scores);
+  }
+};
+
+std::string problem_of(const std::string& claim) {
+  try {
+    small_study({}, changed(kClaim, claim));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+std::string formula(const std::string& holds) { return "[[claim]]\nid = \"f\"\nholds = \"" + holds + "\"\n"; }
+
+}  // namespace
+
+TEST_CASE("a study's formulas are judged on its scores") {
+  const RunStudy run("gust-claims", "[names]\nall = [\"lqr\", \"nothing\"]\n" +
+                                        formula("min(area(score('lqr', 'push')) - score(p) for p in all) > -1") +
+                                        "[[claim]]\nid = \"g\"\nholds = \"score('nothing') >= score('lqr')\"\n");
+
+  REQUIRE(run.summary.claims.size() == 2);
+  CHECK(run.summary.claims[0].verdict.ruling == Ruling::holds);
+  CHECK(run.summary.claims[1].verdict.ruling == Ruling::fails);
+  CHECK(run.summary.claims[1].measured.estimate < 0);
+  CHECK(run.summary.claims[1].measured.high < 0);
+}
+
+TEST_CASE("scores are those of the summary, metric by metric and start by start") {
+  const RunStudy run("gust-claims-scores", kClaim);
+  const std::size_t anr = run.study.metric_set.index("anr", {});
+
+  for (const std::size_t start : {0u, 1u}) {
+    const FormulaValue curve = run.value("anr('lqr', 'push')", {"anr_h", run.study.starts[start].name});
+    const std::vector<Sampled> cells = curve.as_numbers("a test");
+    REQUIRE(cells.size() == 3);
+    for (std::size_t cell = 0; cell < 3; ++cell)
+      CHECK(cells[cell].estimate() ==
+            doctest::Approx(run.summary.find(0, 0, start)->at(anr, cell).value).epsilon(1e-14));
+  }
+}
+
+TEST_CASE("what all resamples share cancels: a policy does not differ from itself") {
+  const RunStudy run("gust-claims-self", kClaim);
+
+  const FormulaValue zero = run.value("score('lqr', 'push')", {"anr_h", "random"});
+  const Interval apart = interval_of(
+      run.value("at(anr('lqr', 'push'), 5) - at(anr('lqr', 'push'), 5)", {"anr_h", "random"}).as_number("a test"));
+
+  CHECK(zero.as_list("a test").axis == std::vector<double>{0, 5, 30});
+  CHECK(apart.low == 0.0);
+  CHECK(apart.high == 0.0);
+}
+
+TEST_CASE("the fixed start has one episode, which says nothing about others") {
+  const RunStudy run("gust-claims-fixed",
+                     "[[claim]]\nid = \"f\"\nstart = \"nominal\"\nholds = \"score('lqr') > 0.5\"\n");
+
+  REQUIRE(run.summary.claims.size() == 1);
+  CHECK(run.summary.claims[0].verdict.ruling == Ruling::not_testable);
+}
+
+TEST_CASE("a grid is read row by row") {
+  const std::string grid =
+      "[[sweep]]\nname = \"both\"\ngrid = { pole_length = [0.4, 0.5], pole_mass = [0.1, 0.2, 0.4] }\n";
+  const RunStudy run("gust-claims-grid", grid + kClaim);
+
+  CHECK(run.value("score('lqr', 'both')", {"anr_h", "random"}).as_numbers("a test").size() == 6);
+  CHECK(run.value("score('lqr', 'both', 0.5)", {"anr_h", "random"}).as_list("a test").axis ==
+        std::vector<double>{0.1, 0.2, 0.4});
+  CHECK(run.value("values('both')", {"anr_h", "random"}).as_list("a test").axis == std::vector<double>{0.4, 0.5});
+  CHECK_THROWS_WITH(run.value("score('lqr', 'both', 0.6)", {"anr_h", "random"}),
+                    doctest::Contains("has no pole_length of 0.6"));
+}
+
+TEST_CASE("what is missing in the store makes a claim not testable") {
+  const ScratchFolder folder("gust-claims-missing");
+  Study study = small_study({}, changed(kClaim, formula("score('lqr') > 0.5")));
+  const Store store(folder.path / "store", Store::Access::write);
+
+  const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
+
+  REQUIRE(summary.claims.size() == 1);
+  CHECK(summary.claims[0].verdict.ruling == Ruling::not_testable);
+  CHECK(summary.claims[0].verdict.reason.find("not measured: ") == 0);
+}
+
+TEST_CASE("what is wrong with a formula is said when the study is read") {
+  CHECK(problem_of(formula("score('lqr', 'psh') > 0")).find("policy 'lqr' has no sweep 'psh'; did you mean 'push'?") !=
+        std::string::npos);
+  CHECK(problem_of(formula("score('lqq') > 0")).find("small.toml:31:9: claim") == 0);
+  CHECK(problem_of(formula("curve('lqr') > 0")).find("'lqr' is not trained") != std::string::npos);
+  CHECK(problem_of(formula("score('lqr')")).find("a claim is a statement") != std::string::npos);
+  CHECK(problem_of(formula("survivl('lqr') > 0")).find("did you mean 'survival'?") != std::string::npos);
+  CHECK(problem_of(formula("score('lqr', 'push', 5) > 0")).find("at(score(…), level)") != std::string::npos);
+  CHECK(problem_of(formula("score('lqr') > 0") + "start = \"somewhere\"\n").find("unknown start") != std::string::npos);
+  CHECK(problem_of(formula("score('lqr') > 0") + "metric = \"anx\"\n").find("anx") != std::string::npos);
+  CHECK(problem_of(std::string(kClaim) + "metric = \"anr\"\n").find("is for a claim without 'where'") !=
+        std::string::npos);
+  CHECK(problem_of("[names]\nx = true\n" + formula("1 > 0")).find("a name") != std::string::npos);
+}

@@ -1,0 +1,63 @@
+#include "gust/study/member_rows.h"
+
+#include <algorithm>
+
+#include "gust/study/trials.h"
+
+namespace gust {
+
+std::vector<TrialGroup> trial_groups(const Plan& plan) {
+  std::vector<TrialGroup> groups;
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    const Trial& trial = plan.trials[i];
+    if (trial.kind != Trial::Kind::kEvaluate) continue;
+    const auto same = [&](const TrialGroup& group) {
+      return group.policy == trial.policy && group.sweep == trial.sweep;
+    };
+    auto at = std::ranges::find_if(groups, same);
+    if (at == groups.end()) at = groups.insert(groups.end(), {trial.policy, trial.sweep, {}});
+    at->trials.push_back(i);
+  }
+  return groups;
+}
+
+bool episodes_repeat(const Study& study, std::size_t sweep, std::size_t start) {
+  if (study.starts[start].random) return false;
+  bool noisy = std::ranges::any_of(study.always, [](const Injection& one) { return one.waveform->random(); });
+  if (sweep != Trial::kNominal && study.sweeps[sweep].injection)
+    noisy = noisy || study.sweeps[sweep].injection->waveform->random();
+  return !noisy;
+}
+
+MemberRows::MemberRows(const Plan& plan, const TrialGroup& group, const Store& store,
+                       std::vector<std::string>& missing) {
+  for (const std::size_t index : group.trials) {
+    const Trial& trial = plan.trials[index];
+    std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    if (!stored) {
+      missing.push_back(trial.what);
+      continue;
+    }
+    streams_.push_back(std::make_unique<std::ifstream>(stored->open(kRowsFile)));
+    readers_.emplace_back(*streams_.back(), trial.id);
+  }
+}
+
+bool MemberRows::next() {
+  cells_.clear();
+  for (RowsReader& reader : readers_) cells_.push_back(reader.next());
+  return !cells_.empty() && !cells_.front().empty();
+}
+
+Matrix<double> MemberRows::values(std::size_t start, std::size_t metric, bool repeats) const {
+  const std::size_t episodes = repeats ? 1 : static_cast<std::size_t>(header().episodes);
+  const std::size_t metrics = header().metrics.size();
+  Matrix<double> values(cells_.size(), episodes);
+  for (std::size_t m = 0; m < cells_.size(); ++m) {
+    const double* first = cells_[m].data() + start * static_cast<std::size_t>(header().episodes) * metrics + metric;
+    for (std::size_t e = 0; e < episodes; ++e) values.at(m, e) = first[e * metrics];
+  }
+  return values;
+}
+
+}  // namespace gust

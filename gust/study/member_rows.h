@@ -1,0 +1,50 @@
+#pragma once
+
+#include <fstream>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gust/core/rows.h"
+#include "gust/study/plan.h"
+#include "gust/study/rows.h"
+#include "gust/study/store.h"
+
+namespace gust {
+
+/// The evaluations of one policy's members over one sweep.
+struct TrialGroup {
+  std::size_t policy = 0;
+  std::size_t sweep = Trial::kNominal;
+  std::vector<std::size_t> trials;
+};
+
+/// All of a plan, in its order.
+std::vector<TrialGroup> trial_groups(const Plan& plan);
+
+/// Whether all episodes from a start are the same one: neither start nor disturbance is random.
+bool episodes_repeat(const Study& study, std::size_t sweep, std::size_t start);
+
+/// The rows of several members of a policy, read cell by cell side by side.
+class MemberRows {
+ public:
+  /// Adds to `missing` what the store lacks.
+  MemberRows(const Plan& plan, const TrialGroup& group, const Store& store, std::vector<std::string>& missing);
+
+  std::size_t members() const { return readers_.size(); }
+  const RowsHeader& header() const { return readers_.front().header(); }
+
+  /// Reads the next cell of every member; false after the last.
+  bool next();
+
+  /// One metric from one start: members x episodes, or one episode where all are the same one.
+  Matrix<double> values(std::size_t start, std::size_t metric, bool repeats) const;
+
+ private:
+  std::vector<std::unique_ptr<std::ifstream>> streams_;
+  std::vector<RowsReader> readers_;
+  std::vector<std::span<const double>> cells_;
+};
+
+}  // namespace gust
