@@ -33,8 +33,7 @@ ExportRow head_of(const Study& study, const Trial& trial) {
   row.preset = study.setup.preset;
   row.readings = canonical_fields(study.setup.readings);
   row.policy = policy.name;
-  if (policy.kind == StudyPolicy::Kind::kTrain) row.seed = cat(policy.seeds[trial.member]);
-  if (policy.kind == StudyPolicy::Kind::kOnnx) row.seed = policy.files[trial.member].path;
+  row.seed = policy.member(trial.member);
   if (trial.sweep == Trial::kNominal) {
     row.site = row.waveform = std::string("none");
     return row;

@@ -133,6 +133,11 @@ std::size_t StudyPolicy::count() const {
   return kind == Kind::kOnnx ? files.size() : 1;
 }
 
+std::string StudyPolicy::member(std::size_t index) const {
+  if (kind == Kind::kTrain) return cat(seeds[index]);
+  return kind == Kind::kOnnx ? files[index].path : std::string();
+}
+
 std::size_t Sweep::cells() const {
   std::size_t cells = 1;
   for (const Axis& axis : axes) cells *= axis.values.size();

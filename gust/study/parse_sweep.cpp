@@ -103,16 +103,6 @@ std::vector<double> claim_point(const Table& where, const Sweep& sweep) {
   return at;
 }
 
-template <class Item>
-const Item& named(const std::vector<Item>& items, const Value& name, const char* what) {
-  std::vector<std::string> names;
-  for (const Item& item : items) {
-    if (item.name == name.as_text(what)) return item;
-    names.push_back(item.name);
-  }
-  throw error_at(name.place, "unknown ", what, " '", name.as_text(what), "'", did_you_mean(name.as_text(what), names));
-}
-
 }  // namespace
 
 std::vector<double> parse_levels(const Value& value, std::string_view what) {

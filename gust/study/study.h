@@ -32,6 +32,8 @@ struct StudyPolicy {
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;
+  /// Which of them it is: the training seed or the file; empty for a policy that stands alone.
+  std::string member(std::size_t index) const;
 };
 
 /// Something that grows along an axis while everything else stays: the level of a disturbance, or plant parameters.

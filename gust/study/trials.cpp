@@ -96,13 +96,12 @@ class CellCollector {
         cell_(evaluation.starts.size() * per_start_),
         rows_(rows) {}
 
-  void take(const EpisodeIndex& index, Episode episode) {
-    if (!study_.terminate) episode.ended = episode.whole;
+  void take(const EpisodeIndex& index, const Episode& episode) {
     const std::size_t count = study_.metric_set.size();
-    double* row = &cell_[index.start * per_start_ + static_cast<std::size_t>(index.episode) * count];
-    for (std::size_t m = 0; m < count; ++m) row[m] = study_.metric_set[m].value(episode);
-    score_ = row[study_.metrics.front()];
-    if (&row[count] == cell_.data() + cell_.size()) rows_.append_cell(cell_);
+    const std::size_t first = index.start * per_start_ + static_cast<std::size_t>(index.episode) * count;
+    measure(study_, episode, std::span(cell_).subspan(first, count));
+    score_ = cell_[first + study_.metrics.front()];
+    if (first + count == cell_.size()) rows_.append_cell(cell_);
   }
   /// The headline score of the episode that was taken last.
   double score() const { return score_; }
@@ -240,6 +239,11 @@ std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Tria
     }
   }
   return task;
+}
+
+void measure(const Study& study, Episode episode, std::span<double> metrics) {
+  if (!study.terminate) episode.ended = episode.whole;
+  for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m] = study.metric_set[m].value(episode);
 }
 
 std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const Trial& trial, const Store& store) {
