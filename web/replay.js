@@ -247,7 +247,7 @@ function replayFigure(figure) {
   addTools(figure, {
     name: 'replay', rows: () => episodeRows(replay.episode),
     spec: () => standalone({title: replay.episode.title, ...replay.spec(inFile, 640)}, replay.episode.title),
-    commands: () => [['this episode', replay.episode.command], ['the study', data.runCommand]],
+    commands: () => [['the cell of this episode', replay.episode.command], ['the study', data.runCommand]],
   });
   for (const button of document.querySelectorAll('[data-watch]')) {
     const episode = data.episodes.find((one) => one.number === Number(button.dataset.watch));

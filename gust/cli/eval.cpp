@@ -114,7 +114,7 @@ StartProtocol explicit_start(const std::string& text, const PlantSpec& spec) {
 }
 
 StartProtocol prepare_start(const std::string& text, const PlantSpec& spec) {
-  if (text == "nominal") return nominal_start(spec);
+  if (text.empty() || text == "nominal") return nominal_start(spec);
   if (text == "random") return random_starts();
   return explicit_start(text, spec);
 }
@@ -128,10 +128,7 @@ Prepared prepare(const EvalRequest& request) {
   prepared.cell.parameters = prepare_parameters(request, settings, prepared.setup);
   for (const Injection& injection : prepared.injections) prepared.cell.levels.push_back(injection.level);
   prepared.start = prepare_start(request.start, spec);
-  prepared.episodes = request.episodes.value_or(prepared.start.random ? 25 : 1);
-  if (prepared.episodes < 1 || prepared.episodes > kMostEpisodes) {
-    throw Error(cat("--episodes: must be 1 to ", kMostEpisodes, ", got ", prepared.episodes));
-  }
+  prepared.episodes = checked_episodes(request, prepared.start.random ? 25 : 1);
   if (request.terminate != "yes" && request.terminate != "no") {
     throw Error(cat("--terminate: must be yes or no, got '", request.terminate, "'"));
   }
@@ -154,6 +151,26 @@ std::vector<double> row_metrics(const MetricSet& set, const Episode& episode, bo
 
 }  // namespace
 
+std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard) {
+  const std::int64_t episodes = request.episodes.value_or(standard);
+  if (episodes >= 1 && episodes <= kMostEpisodes) return episodes;
+  throw Error(cat("--episodes: must be 1 to ", kMostEpisodes, ", got ", episodes));
+}
+
+EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const Episode& episode, bool terminate) {
+  const EpisodePart& part = episode.part(terminate);
+  return {.seed = {},
+          .episode = index.episode,
+          .length = part.steps,
+          .failed = episode.failed,
+          .finite = episode.finite,
+          .return_sum_commanded = part.return_commanded,
+          .return_sum_disturbed = part.return_disturbed,
+          .metrics = {},
+          .initial_state = start_state(evaluation, index),
+          .final_state = part.final_state};
+}
+
 std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes) {
   const Prepared prepared = prepare(request);
   const std::unique_ptr<Policy> policy = request.has_file() ? onnx_policy(policy_bytes, request.policy, prepared.setup)
@@ -168,16 +185,8 @@ std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view polic
   const MetricSet metric_set;
   std::vector<EvalRow> rows;
   evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
-    const EpisodePart& part = episode.part(prepared.terminate);
-    rows.push_back({.episode = index.episode,
-                    .length = part.steps,
-                    .failed = episode.failed,
-                    .finite = episode.finite,
-                    .return_sum_commanded = part.return_commanded,
-                    .return_sum_disturbed = part.return_disturbed,
-                    .metrics = row_metrics(metric_set, episode, prepared.terminate),
-                    .initial_state = start_state(evaluation, index),
-                    .final_state = part.final_state});
+    rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
+    rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
   });
   return rows;
 }

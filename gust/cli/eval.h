@@ -13,11 +13,13 @@ namespace gust {
 
 /// What `gust eval` is asked, as it was typed.
 struct EvalRequest {
-  std::string policy;  ///< lqr, zero, pd, or the path of an ONNX file
+  std::string policy;  ///< lqr, zero, pd, or the path of an ONNX file; with a study one of its policies
+  std::string study;   ///< result folder; the plant and all that follows but start, level and episodes are then its own
+  std::string sweep;   ///< of the study; empty: undisturbed
   std::string plant;
   std::string preset = std::string(kStandardPreset);
-  std::string start = "nominal";        ///< or "random", or "x,x_dot,…"
-  std::string site, waveform, level;    ///< all or none
+  std::string start;                    ///< "nominal", "random", or "x,x_dot,…"; of a study one of its starts
+  std::string site, waveform, level;    ///< all or none; of a study's grid two levels, "0.5,0.1"
   std::vector<std::string> settings;    ///< key=value: of the waveform, the injection, the readings or the plant
   std::vector<std::string> parameters;  ///< name=value or name=xfactor: the plant that the policy meets
   std::string terminate = "yes";        ///< or "no"
@@ -30,6 +32,7 @@ struct EvalRequest {
 
 /// One episode of `gust eval`. With `terminate = no` its steps are those of the whole horizon.
 struct EvalRow {
+  std::string seed;  ///< of a study's policy that is trained, or the file it comes from
   std::int64_t episode = 0;
   std::int64_t length = 0;
   bool failed = false;
@@ -43,6 +46,16 @@ struct EvalRow {
 /// Runs what was asked; policy_bytes is the content of the policy's file if it has one. Mistakes are Errors before any
 /// episode runs. Equal requests give equal bits.
 std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes);
+
+/// Runs one cell of a study again, with every seed or file of the policy; a trained one is read from the study's store.
+/// The metrics are the numbers that the study has or would have there.
+std::vector<EvalRow> run_cell(const EvalRequest& request);
+
+/// The row of an episode, without its metrics.
+EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const Episode& episode, bool terminate);
+
+/// How many episodes were asked for, else the standard.
+std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard);
 
 /// The rows as a JSON array of objects; numbers in the shortest form that reads back, what is no finite number as null.
 std::string eval_json(const std::vector<EvalRow>& rows);

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "gust/cli/eval.h"
 #include "gust/core/text.h"
 
 namespace gust {
 namespace {
+
+using Json = nlohmann::json;
 
 std::string json_number(double number) { return std::isfinite(number) ? cat(number) : "null"; }
 
@@ -20,6 +23,7 @@ std::string json_row(const EvalRow& row, const MetricSet& metrics) {
   const auto add = [&](std::string_view name, const std::string& value) {
     parts.push_back(cat("\"", name, "\": ", value));
   };
+  if (!row.seed.empty()) add("seed", Json(row.seed).dump(-1, ' ', false, Json::error_handler_t::replace));
   add("episode", cat(row.episode));
   add("length", cat(row.length));
   add("failed", cat(row.failed));

@@ -3,14 +3,13 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "gust/core/text.h"
 #include "gust/core/version.h"
 #include "gust/study/files.h"
 
@@ -32,15 +31,6 @@ std::string now_text() {
   char text[64];
   std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
   return text;
-}
-
-/// A text as one word of a POSIX shell.
-std::string shell_word(const std::string& text) {
-  const auto plain = [](unsigned char letter) { return std::isalnum(letter) || std::strchr("_./=,+-:@%", letter); };
-  if (!text.empty() && std::ranges::all_of(text, plain)) return text;
-  std::string word = "'";
-  for (const char letter : text) word += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
-  return word + "'";
 }
 
 Json margin_json(const Study& study, const Series& series) {
@@ -86,6 +76,7 @@ std::string write_report(const StudyFolder& folder, const std::string& study_fil
   PageContext context;
   context.run_command = cat("gust run ", shell_word(study_file));
   for (const std::string& setting : folder.settings()) context.run_command += cat(" --set ", shell_word(setting));
+  context.folder = folder.path().string();
   context.export_command =
       cat("gust export ", shell_word(folder.path().string()), " --csv ", shell_word(study.name + ".csv"));
   context.warnings = warnings;

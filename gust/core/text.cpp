@@ -1,6 +1,7 @@
 #include "gust/core/text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <numeric>
 
 #include "gust/core/error.h"
@@ -66,6 +67,17 @@ std::vector<std::string> split_text(std::string_view text, char separator) {
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return parts;
+}
+
+std::string shell_word(const std::string& text) {
+  static constexpr std::string_view kPlain = "_./=,+-:@%";
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || kPlain.find(static_cast<char>(c)) != kPlain.npos;
+  };
+  if (!text.empty() && std::ranges::all_of(text, plain)) return text;
+  std::string word = "'";
+  for (const char letter : text) word += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return word + "'";
 }
 
 }  // namespace gust

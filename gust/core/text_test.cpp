@@ -45,3 +45,10 @@ TEST_CASE("text of numbers reads back to the same number in the fewest digits") 
   CHECK(cat(1.0 / 3) == "0.3333333333333333");
   CHECK(cat("a", 1, ' ', 2.5, " ", -0.0) == "a1 2.5 -0");
 }
+
+TEST_CASE("a text becomes one word of a shell, quoted only where it must be") {
+  CHECK(shell_word("studies/demo.toml") == "studies/demo.toml");
+  CHECK(shell_word("action step") == "'action step'");
+  CHECK(shell_word("") == "''");
+  CHECK(shell_word("it's $HOME") == "'it'\\''s $HOME'");
+}

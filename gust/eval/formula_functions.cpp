@@ -114,6 +114,23 @@ FormulaValue of_curve(const FormulaValue& value, std::string_view what, Function
   return {combine(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
 }
 
+template <bool kLast>
+FormulaValue end_of(const Arguments& arguments) {
+  const FormulaList& list = arguments[0].as_list("first or last");
+  if (list.items.empty()) throw NotTestable("the end of nothing");
+  return kLast ? list.items.back() : list.items.front();
+}
+
+/// Two numbers that the data cannot tell apart are alike, and so are two that differ by no more than the tolerance.
+FormulaValue alike(const Arguments& arguments) {
+  const Sampled& a = arguments[0].as_number("alike");
+  const Sampled& b = arguments[1].as_number("alike");
+  const Interval of_a = interval_of(a), of_b = interval_of(b);
+  if (of_a.low <= of_b.high && of_b.low <= of_a.high) return {Truth{Sampled::constant(0.0)}};
+  const Sampled apart = combine(a, b, [](double x, double y) { return std::abs(x - y); });
+  return {Truth{combine(arguments[2].as_number("alike"), apart, std::minus<>())}};
+}
+
 FormulaValue area(const Arguments& arguments) {
   return of_curve(arguments[0], "area", [](Values x, Values y) {
     if (x.size() == 1) return y[0];
@@ -183,6 +200,10 @@ constexpr FormulaFunction kFunctions[] = {
     {"any", "list", "whether one of them does", 1, 1, of_margins<largest>},
     {"count", "list", "how many of them hold", 1, 1, count},
     {"share", "list", "which share of them holds, 0 to 1", 1, 1, share},
+    {"alike", "number, number, tolerance",
+     "whether two 95 % intervals overlap, or the numbers differ by no more than the tolerance", 3, 3, alike},
+    {"first", "list", "its first item", 1, 1, end_of<false>},
+    {"last", "list", "its last item", 1, 1, end_of<true>},
     {"levels", "curve", "where its values stand: levels, or steps", 1, 1, levels},
     {"at", "curve, place", "its value there, straight between two points", 2, 2, at},
     {"area", "curve", "the area under it over its width: the mean value", 1, 1, area},

@@ -90,8 +90,17 @@ TEST_CASE("functions of curves") {
   CHECK(number("straightness(r('ppo'))") == doctest::Approx(1.0).epsilon(1e-12));
   CHECK(number("spearman(r('ppo'))") == -1.0);
   CHECK(number("kendall([1, 2, 3], [1, 3, 2])") == doctest::Approx(1.0 / 3.0).epsilon(1e-12));
+  CHECK(number("last(r('lqr'))") == 0.25);
+  CHECK(number("first(r('lqr')) - last([3, 4])") == -3.0);
   CHECK(number("sum(levels(r('ppo')))") == 4.0);
   CHECK(number("share(at(r('ppo'), k) > 0.5 for k in levels(r('ppo')))") == doctest::Approx(2.0 / 3.0));
+}
+
+TEST_CASE("numbers are alike where their intervals overlap or they are near") {
+  CHECK(truth("alike(at(r('lqr'), 0), at(r('ppo'), 0), 0)"));
+  CHECK_FALSE(truth("alike(at(r('lqr'), 0), at(r('ppo'), 3), 0.5)"));
+  CHECK(truth("alike(at(r('lqr'), 0), at(r('ppo'), 3), 0.875)"));
+  CHECK_FALSE(truth("alike(1, 2, 0.5)"));
 }
 
 TEST_CASE("a claim holds where all resamples do, fails where none does, else it is undecided") {

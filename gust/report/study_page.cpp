@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gust/core/text.h"
 #include "gust/report/study_episodes.h"
 #include "gust/study/trials.h"
 #include "gust/study/warnings.h"
@@ -44,16 +45,15 @@ Page::Metric page_metric(const std::string& name, const Metric& metric) {
   return {name, title, metrics().at(name).summary, share ? 0.0 : kUnknown, share ? 1.0 : kUnknown};
 }
 
-/// The command that measures a cell of a sweep again.
-std::string eval_command(const Study& study, const Sweep& sweep, double level) {
-  std::string text = cat("gust eval POLICY --plant ", study.setup.plant.kind, " --preset ", study.setup.preset);
-  if (sweep.injection) {
-    text += cat(" --site ", site_name(sweep.injection->site), " --waveform ", sweep.injection->waveform.kind,
-                " --level ", level);
-  } else {
-    text += cat(" --param ", sweep.axes.front().parameter, "=", level);
-  }
-  return text + cat(" --start random --episodes ", study.episodes, " --seed ", study.seed);
+/// What names a cell to `gust eval --study`.
+std::string cell_text(const std::string& sweep, const std::string& level) {
+  return cat(" --sweep ", shell_word(sweep), " --level ", level);
+}
+
+std::string middle_of(const Sweep& sweep) {
+  std::vector<std::string> level;
+  for (const Sweep::Axis& axis : sweep.axes) level.push_back(cat(axis.values[axis.values.size() / 2]));
+  return cell_text(sweep.name, join(level, ","));
 }
 
 Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
@@ -61,21 +61,18 @@ Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
   Page::Sweep page;
   page.name = sweep.name;
   page.levels = sweep.axes.front().values;
+  page.unit = sweep.unit(spec);
   if (sweep.injection) {
     page.site = site_name(sweep.injection->site);
     page.waveform = sweep.injection->waveform.kind;
-    page.unit = sweep.injection->site == Site::kObservation ? "state units"
-                                                            : channels_of(sweep.injection->site, spec).front().unit;
   } else {
     const Parameter& parameter = spec.parameters[sweep.axes.front().index];
     page.waveform = parameter.name;
-    page.unit = parameter.unit;
     page.nominal = parameter.nominal;
     const Limits possible = possible_values(study.setup, sweep.axes.front().index);
     if (std::isfinite(possible.low)) page.possible_low = possible.low;
     if (std::isfinite(possible.high)) page.possible_high = possible.high;
   }
-  page.command = eval_command(study, sweep, page.levels[page.levels.size() / 2]);
   return page;
 }
 
@@ -87,6 +84,7 @@ class PageWriter {
       : study_(study), plan_(plan), store_(store), summary_(summary), sweep_at_(study.sweeps.size(), Page::kNone) {}
 
   Page write(const PageContext& context) {
+    folder_ = context.folder;
     head(context);
     lists();
     for (const Series& series : summary_.series) {
@@ -96,8 +94,12 @@ class PageWriter {
     worst_cells();
     claims();
     learning();
-    for (Page::Episode& episode : kept_episodes(study_, plan_, store_, sweep_at_))
-      page_.episodes.push_back(std::move(episode));
+    page_.episodes = kept_episodes(study_, plan_, store_, sweep_at_);
+    for (Page::Episode& episode : page_.episodes) {
+      if (episode.sweep == Page::kNone) continue;
+      const std::string where = cell_text(page_.sweeps[episode.sweep].name, cat(episode.level));
+      episode.command = cell_command(episode.policy, episode.start, where);
+    }
     link_worst_cells();
     return std::move(page_);
   }
@@ -140,7 +142,14 @@ class PageWriter {
       if (study_.sweeps[s].axes.size() == 2 || study_.sweeps[s].axes.front().values.empty()) continue;
       sweep_at_[s] = page_.sweeps.size();
       page_.sweeps.push_back(page_sweep(study_, study_.sweeps[s]));
+      page_.sweeps.back().command = cell_command(0, 0, middle_of(study_.sweeps[s]));
     }
+  }
+
+  /// The command that measures a cell again.
+  std::string cell_command(std::size_t policy, std::size_t start, const std::string& where) const {
+    return cat("gust eval ", shell_word(study_.policies[policy].name), " --study ", shell_word(folder_), where,
+               " --start ", shell_word(study_.starts[start].name));
   }
 
   void curves(const Series& series) {
@@ -174,14 +183,10 @@ class PageWriter {
     const Sweep& sweep = study_.sweeps[series.sweep];
     auto at = std::ranges::find(page_.grids, sweep.name, &Page::Grid::name);
     if (at == page_.grids.end()) {
-      const auto axis = [&](const Sweep::Axis& from) {
-        return Page::Grid::Axis{from.parameter, study_.setup.plant->spec().parameters[from.index].unit, from.values};
+      const auto axis = [&](std::size_t a) {
+        return Page::Grid::Axis{sweep.axes[a].name(), sweep.unit(study_.setup.plant->spec(), a), sweep.axes[a].values};
       };
-      page_.grids.push_back({sweep.name,
-                             axis(sweep.axes[1]),
-                             axis(sweep.axes[0]),
-                             {},
-                             eval_command(study_, sweep, sweep.axes[0].values[0])});
+      page_.grids.push_back({sweep.name, axis(1), axis(0), {}, cell_command(0, 0, middle_of(sweep))});
       at = page_.grids.end() - 1;
     }
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
@@ -310,6 +315,7 @@ class PageWriter {
   const Summary& summary_;
   std::vector<std::size_t> sweep_at_;
   std::vector<std::size_t> metrics_;
+  std::string folder_;
   Page page_;
 };
 

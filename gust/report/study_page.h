@@ -8,6 +8,7 @@ namespace gust {
 /// What the page says about its making; the command that makes the page knows it.
 struct PageContext {
   std::string run_command;     ///< makes the results again
+  std::string folder;          ///< where they lie
   std::string export_command;  ///< gives all numbers
   std::vector<std::pair<std::string, std::string>> provenance;
   std::vector<std::string> warnings;  ///< trials that failed, with reasons

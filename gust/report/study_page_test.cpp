@@ -20,7 +20,7 @@ Page page_of(Study study) {
   const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
   const Summary summary = summarise(study, outcome.plan, store, 1);
   return study_page(study, outcome.plan, store, summary,
-                    {"gust run small.toml", "gust export small.gust --csv small.csv", {}, {"a warning"}});
+                    {"gust run small.toml", "small.gust", "gust export small.gust --csv small.csv", {}, {"a warning"}});
 }
 
 TEST_CASE("the page of a study has a curve for each sweep, policy, start and metric") {
@@ -39,6 +39,7 @@ TEST_CASE("the page of a study has a curve for each sweep, policy, start and met
   CHECK(page.claims[0].verdict == Page::Verdict::kHolds);
   CHECK(page.warnings == std::vector<std::string>{"a warning"});
   CHECK(page.run_command == "gust run small.toml");
+  CHECK(page.sweeps[0].command == "gust eval lqr --study small.gust --sweep push --level 5 --start nominal");
 }
 
 TEST_CASE("margins of a score that the page does not lead with are still named by it") {
@@ -96,6 +97,7 @@ grid = { pole_mass = [0.1, 0.2, 0.3], cart_mass = [1, 2] }
   CHECK(page.sweeps.size() == 2);
   REQUIRE(page.grids.size() == 1);
   CHECK(page.grids[0].rows.name == "pole_mass");
+  CHECK(page.grids[0].command == "gust eval lqr --study small.gust --sweep both --level 0.2,2 --start nominal");
   CHECK(page.grids[0].columns.name == "cart_mass");
   CHECK(page.grids[0].layers.size() == 2 * 2 * page.metrics.size());
   for (const Page::Grid::Layer& layer : page.grids[0].layers) CHECK(layer.values.size() == 6);

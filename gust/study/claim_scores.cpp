@@ -56,6 +56,21 @@ FormulaList listed(const std::vector<double>& axis, std::span<const Sampled> val
   return list;
 }
 
+/// A column of curve.csv by its name.
+double CurvePoint::*curve_column(const std::string& name) {
+  const std::pair<const char*, double CurvePoint::*> columns[] = {{"anr_h", &CurvePoint::anr_h},
+                                                                  {"anr", &CurvePoint::anr},
+                                                                  {"rmse_scg", &CurvePoint::rmse_scg},
+                                                                  {"return_mean", &CurvePoint::return_mean},
+                                                                  {"length_mean", &CurvePoint::length_mean}};
+  std::vector<std::string> known;
+  for (const auto& [known_name, column] : columns) {
+    if (name == known_name) return column;
+    known.emplace_back(known_name);
+  }
+  throw Error(cat("a learning curve has no '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
+}
+
 void check_count(std::string_view function, const std::vector<FormulaValue>& arguments, std::size_t most) {
   if (arguments.empty() || arguments.size() > most)
     throw Error(cat("'", function, "' takes 1 to ", most, " arguments, got ", arguments.size()));
@@ -67,7 +82,7 @@ ClaimScores::ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng r
     : sources_(std::move(sources)), view_(std::move(view)), rng_(rng) {}
 
 std::vector<std::string> ClaimScores::functions() const {
-  std::vector<std::string> names = {"score", "values", "curve", "curve_spread"};
+  std::vector<std::string> names = {"score", "values", "curve", "own_curve", "curve_spread"};
   const MetricSet& metrics = sources_.front().study->metric_set;
   for (std::size_t i = 0; i < metrics.size(); ++i) names.push_back(metrics.name(i));
   return names;
@@ -75,8 +90,7 @@ std::vector<std::string> ClaimScores::functions() const {
 
 FormulaValue ClaimScores::call(std::string_view function, const Arguments& arguments) const {
   if (function == "values") return values(arguments);
-  if (function == "curve") return curve(arguments);
-  if (function == "curve_spread") return spread(arguments);
+  if (function.ends_with("curve") || function == "curve_spread") return curve(function, arguments);
   return score(function == "score" ? view_.metric : std::string(function), arguments);
 }
 
@@ -151,37 +165,20 @@ FormulaValue ClaimScores::values(const Arguments& arguments) const {
   return {listed(levels, constants)};
 }
 
-FormulaValue ClaimScores::curve(const Arguments& arguments) const {
-  check_count("curve", arguments, 2);
-  const bool own = arguments.size() == 2 && arguments[1].as_text("'curve'") == "protagonist";
-  if (arguments.size() == 2 && !own) throw Error("the second argument of 'curve' may be 'protagonist'");
-  const Place place = find({arguments[0]}, "curve");
+FormulaValue ClaimScores::curve(std::string_view function, const Arguments& arguments) const {
+  check_count(function, arguments, 2);
+  const auto column = curve_column(arguments.size() == 2 ? arguments[1].as_text(cat("'", function, "'")) : "anr_h");
+  const Place place = find({arguments[0]}, function);
   count_seeds(place);
   Bootstrap& bootstrap = resampling(place.source->study->policies[place.policy].name);
   const std::vector<std::vector<CurvePoint>> seeds = curves(place);
   FormulaList list;
   for (std::size_t i = 0; i < seeds.front().size(); ++i) {
     std::vector<double> units;
-    for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].anr_h);
+    for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].*column);
     const CurvePoint& point = seeds.front()[i];
-    list.axis.push_back(static_cast<double>(own ? point.protagonist_steps : point.steps));
-    list.items.push_back({sampled(units, bootstrap, mean)});
-  }
-  return {std::move(list)};
-}
-
-FormulaValue ClaimScores::spread(const Arguments& arguments) const {
-  check_count("curve_spread", arguments, 1);
-  const Place place = find(arguments, "curve_spread");
-  count_seeds(place);
-  Bootstrap& bootstrap = resampling(place.source->study->policies[place.policy].name);
-  const std::vector<std::vector<CurvePoint>> seeds = curves(place);
-  FormulaList list;
-  for (std::size_t i = 0; i < seeds.front().size(); ++i) {
-    std::vector<double> units;
-    for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].anr_h);
-    list.axis.push_back(static_cast<double>(seeds.front()[i].steps));
-    list.items.push_back({sampled(units, bootstrap, sample_deviation)});
+    list.axis.push_back(static_cast<double>(function == "own_curve" ? point.protagonist_steps : point.steps));
+    list.items.push_back({sampled(units, bootstrap, function == "curve_spread" ? sample_deviation : mean)});
   }
   return {std::move(list)};
 }

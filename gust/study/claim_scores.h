@@ -29,9 +29,9 @@ struct ClaimView {
 ///     score(policy, grid, value)        along a grid's second axis where the first one has the value
 ///     anr_h(…), survival(…), …          the same of any other metric
 ///     values(sweep), values(sweep, 2)   a list of a sweep's levels, or of those of its second axis
-///     curve(policy), curve(policy, 'protagonist')   the learning curve, return / horizon, against all steps or those
-///                                       that the policy itself has learned from
-///     curve_spread(policy)              the standard deviation of its seeds, against all steps
+///     curve(policy), curve(policy, 'rmse_scg')   a column of the learning curve (anr_h) against all steps
+///     own_curve(…)                      the same against the steps that the policy itself has learned from
+///     curve_spread(…)                   the standard deviation of its seeds, against all steps
 ///
 /// Every number is the mean over training seeds (over episodes for a policy that is one alone), and its resamples draw
 /// whole seeds: the same ones for all that is asked of a policy, so that what its scores share cancels. Policies are
@@ -58,8 +58,7 @@ class ClaimScores final : public FormulaData {
   const Sweep& sweep_of(const FormulaValue& name) const;
   FormulaValue score(const std::string& metric, const Arguments& arguments) const;
   FormulaValue values(const Arguments& arguments) const;
-  FormulaValue curve(const Arguments& arguments) const;
-  FormulaValue spread(const Arguments& arguments) const;
+  FormulaValue curve(std::string_view function, const Arguments& arguments) const;
   /// One number a cell of a sweep.
   const std::vector<Sampled>& cells(const Place& place, const std::string& metric) const;
   std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;

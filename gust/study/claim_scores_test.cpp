@@ -124,6 +124,9 @@ TEST_CASE("what is wrong with a formula is said when the study is read") {
   CHECK(problem_of(formula("score('lqq') > 0")).find("small.toml:31:9: claim") == 0);
   CHECK(problem_of(formula("curve('lqr') > 0")).find("'lqr' is not trained") != std::string::npos);
   CHECK(problem_of(formula("score('lqr')")).find("a claim is a statement") != std::string::npos);
+  CHECK(problem_of("[[policy]]\nname = \"p\"\nkind = \"train\"\nagent = { kind = \"ppo\" }\n" +
+                   formula("last(curve('p', 'anr_g')) > 0"))
+            .find("a learning curve has no 'anr_g'; did you mean 'anr_h'?") != std::string::npos);
   CHECK(problem_of(formula("survivl('lqr') > 0")).find("did you mean 'survival'?") != std::string::npos);
   CHECK(problem_of(formula("score('lqr', 'push', 5) > 0")).find("at(score(…), level)") != std::string::npos);
   CHECK(problem_of(formula("score('lqr') > 0") + "start = \"somewhere\"\n").find("unknown start") != std::string::npos);

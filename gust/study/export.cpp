@@ -33,8 +33,7 @@ ExportRow head_of(const Study& study, const Trial& trial) {
   row.preset = study.setup.preset;
   row.readings = canonical_fields(study.setup.readings);
   row.policy = policy.name;
-  if (policy.kind == StudyPolicy::Kind::kTrain) row.seed = cat(policy.seeds[trial.member]);
-  if (policy.kind == StudyPolicy::Kind::kOnnx) row.seed = policy.files[trial.member].path;
+  row.seed = policy.member(trial.member);
   if (trial.sweep == Trial::kNominal) {
     row.site = row.waveform = std::string("none");
     return row;
@@ -42,7 +41,11 @@ ExportRow head_of(const Study& study, const Trial& trial) {
   const Sweep& sweep = study.sweeps[trial.sweep];
   row.site = sweep.injection ? std::string(site_name(sweep.injection->site)) : "parameters";
   row.waveform = sweep.injection ? sweep.injection->waveform.canonical : "none";
-  for (const Sweep::Axis& axis : sweep.axes) row.vary += cat(row.vary.empty() ? "" : "*", axis.parameter);
+  if (!sweep.along_levels()) {
+    for (const Sweep::Axis& axis : sweep.axes) row.vary += cat(row.vary.empty() ? "" : "*", axis.name());
+  }
+  const std::string setting = sweep.setting(study.setup.plant->spec());
+  if (!setting.empty()) row.vary += cat(row.vary.empty() ? "" : ", ", setting);
   return row;
 }
 

@@ -106,7 +106,8 @@ void StudyFolder::keep(const Study& study, const std::vector<std::string>& setti
 
 Study StudyFolder::open() const {
   const fs::path text = path_ / kStudyFile;
-  if (!fs::exists(text)) throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' left"));
+  if (!fs::exists(text) || !fs::exists(path_ / kInputsFile))
+    throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' left"));
   const KeptInputs inputs = read_inputs(path_);
   std::size_t asked = 0;
   const FindFiles find = [&](const std::string&, const Place&) {

@@ -23,10 +23,11 @@ std::vector<TrialGroup> trial_groups(const Plan& plan) {
 
 bool episodes_repeat(const Study& study, std::size_t sweep, std::size_t start) {
   if (study.starts[start].random) return false;
-  bool noisy = std::ranges::any_of(study.always, [](const Injection& one) { return one.waveform->random(); });
-  if (sweep != Trial::kNominal && study.sweeps[sweep].injection)
-    noisy = noisy || study.sweeps[sweep].injection->waveform->random();
-  return !noisy;
+  const auto random = [](const Injection& injection) { return injection.waveform->random(); };
+  if (std::ranges::any_of(study.always, random)) return false;
+  if (sweep == Trial::kNominal) return true;
+  const Sweep& swept = study.sweeps[sweep];
+  return !std::ranges::any_of(swept.disturbed, random) && !(swept.injection && random(*swept.injection));
 }
 
 MemberRows::MemberRows(const Plan& plan, const TrialGroup& group, const Store& store,

@@ -133,10 +133,28 @@ std::size_t StudyPolicy::count() const {
   return kind == Kind::kOnnx ? files.size() : 1;
 }
 
+std::string StudyPolicy::member(std::size_t index) const {
+  if (kind == Kind::kTrain) return cat(seeds[index]);
+  return kind == Kind::kOnnx ? files[index].path : std::string();
+}
+
 std::size_t Sweep::cells() const {
   std::size_t cells = 1;
   for (const Axis& axis : axes) cells *= axis.values.size();
   return cells;
+}
+
+std::string Sweep::unit(const PlantSpec& spec, std::size_t axis) const {
+  if (!axes[axis].parameter.empty()) return spec.parameters[axes[axis].index].unit;
+  return injection->site == Site::kObservation ? "state units" : channels_of(injection->site, spec).front().unit;
+}
+
+std::string Sweep::setting(const PlantSpec& spec) const {
+  std::vector<std::string> parts;
+  for (const auto& [index, value] : parameters) parts.push_back(cat(spec.parameters[index].name, " = ", value));
+  for (const Injection& injection : disturbed)
+    parts.push_back(cat(site_name(injection.site), " ", injection.waveform.kind, " at ", injection.level));
+  return join(parts, ", ");
 }
 
 std::size_t margin_metric(const Study& study) {

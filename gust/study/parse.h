@@ -30,6 +30,20 @@ std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec);
 /// { from, to, count } or a list, ascending and without repeats; at least one number.
 std::vector<double> parse_levels(const Value& value, std::string_view what);
 
+/// The one of a name; an Error at the name's place, with the nearest, if there is none.
+template <class Item>
+const Item& named(const std::vector<Item>& items, const Value& name, const char* what) {
+  std::vector<std::string> names;
+  for (const Item& item : items) {
+    if (item.name == name.as_text(what)) return item;
+    names.push_back(item.name);
+  }
+  throw error_at(name.place, "unknown ", what, " '", name.as_text(what), "'", did_you_mean(name.as_text(what), names));
+}
+
+/// A value of a parameter: a number in its unit, or "x1.5" for a multiple of the nominal one. Greater than 0.
+double parameter_value(const Value& value, const Parameter& parameter);
+
 /// The text of a required key.
 const std::string& required_text(const Table& table, std::string_view key, std::string_view what);
 

@@ -20,7 +20,7 @@ std::string offer(const Sweep::Axis& axis, double wanted) {
 std::vector<double> claim_point(const Table& where, const Sweep& sweep) {
   std::vector<double> at;
   for (const Sweep::Axis& axis : sweep.axes) {
-    const std::string key = axis.parameter.empty() ? "level" : axis.parameter;
+    const std::string key = axis.name();
     const Value* value = where.find(key);
     if (value == nullptr) throw error_at(where.place, "'where' needs '", key, "' for sweep '", sweep.name, "'");
     const double wanted = value->as_number(key);
@@ -32,16 +32,6 @@ std::vector<double> claim_point(const Table& where, const Sweep& sweep) {
     at.push_back(nearest == axis.values.end() ? wanted : *nearest);
   }
   return at;
-}
-
-template <class Item>
-const Item& named(const std::vector<Item>& items, const Value& name, const char* what) {
-  std::vector<std::string> names;
-  for (const Item& item : items) {
-    if (item.name == name.as_text(what)) return item;
-    names.push_back(item.name);
-  }
-  throw error_at(name.place, "unknown ", what, " '", name.as_text(what), "'", did_you_mean(name.as_text(what), names));
 }
 
 /// What a name of [names] stands for: a number, a text, or a list of such.
@@ -76,7 +66,7 @@ void parse_where(const Table& table, const Value& where_value, const Study& stud
     const Sweep& sweep = named(study.sweeps, *name, "sweep");
     claim.sweep = sweep.name;
     claim.at = claim_point(where, sweep);
-    for (const Sweep::Axis& axis : sweep.axes) known.push_back(axis.parameter.empty() ? "level" : axis.parameter);
+    for (const Sweep::Axis& axis : sweep.axes) known.push_back(axis.name());
   } else if (const Value* level = where.find("level")) {
     throw error_at(level->place, "a 'level' needs its 'sweep' beside it; without one a claim is about no disturbance");
   }

@@ -39,7 +39,7 @@ Sweep::Axis parameter_axis(const std::string& name, const Value& values, double 
 }
 
 void parse_vary(const Table& table, const Study& study, Sweep& sweep) {
-  check_keys(table, {"name", "vary", "scale", "values"}, "a sweep over a parameter");
+  check_keys(table, {"name", "vary", "scale", "values", "params", "disturb"}, "a sweep over a parameter");
   const Value* scale = table.find("scale");
   const Value* values = table.find("values");
   if ((scale == nullptr) == (values == nullptr)) {
@@ -53,11 +53,19 @@ void parse_vary(const Table& table, const Study& study, Sweep& sweep) {
                              : parameter_axis(name, *values, 1.0, study));
 }
 
+/// Two parameters, or one and the level of a disturbance.
 void parse_grid(const Table& table, const Study& study, Sweep& sweep) {
-  check_keys(table, {"name", "grid"}, "a sweep over a grid");
   const Table& grid = table.find("grid")->as_table("grid");
-  if (grid.items.size() != 2) throw error_at(grid.place, "'grid' needs two parameters, got ", grid.items.size());
-  for (const auto& [name, values] : grid.items) sweep.axes.push_back(parameter_axis(name, values, 1.0, study));
+  if (grid.items.size() != 2) throw error_at(grid.place, "'grid' needs two axes, got ", grid.items.size());
+  if (grid.contains("level")) {
+    sweep.injection = read_injection(table, study.setup.plant->spec(), {"name", "grid", "params", "disturb"});
+  } else {
+    check_keys(table, {"name", "grid", "params", "disturb"}, "a sweep over a grid");
+  }
+  for (const auto& [name, values] : grid.items) {
+    sweep.axes.push_back(name == "level" ? Sweep::Axis{{}, 0, parse_levels(values, name)}
+                                         : parameter_axis(name, values, 1.0, study));
+  }
 }
 
 void parse_disturbance(const Table& table, const Study& study, Sweep& sweep) {
@@ -65,7 +73,7 @@ void parse_disturbance(const Table& table, const Study& study, Sweep& sweep) {
   if (levels == nullptr)
     throw error_at(table.place, "sweep '", sweep.name, "' needs 'levels', such as { from = 0, to = 15, count = 11 }");
   if (table.contains("level")) throw error_at(table.find("level")->place, "a sweep has 'levels', not a 'level'");
-  sweep.injection = read_injection(table, study.setup.plant->spec(), {"name", "levels"});
+  sweep.injection = read_injection(table, study.setup.plant->spec(), {"name", "levels", "params", "disturb"});
   const auto* word = std::get_if<std::string>(&levels->data);
   if (word != nullptr && *word != "auto")
     throw error_at(levels->place, "'levels' must be a list, a range or \"auto\", got '", *word, "'");
@@ -74,7 +82,29 @@ void parse_disturbance(const Table& table, const Study& study, Sweep& sweep) {
   if (!sweep.automatic) sweep.axes.front().values = parse_levels(*levels, "levels");
 }
 
+/// What is different in all cells of a sweep: parameters of the plant, and disturbances that are on.
+void parse_setting(const Table& table, const Study& study, Sweep& sweep) {
+  const PlantSpec& spec = study.setup.plant->spec();
+  if (const Value* disturb = table.find("disturb")) sweep.disturbed = parse_disturb(*disturb, spec);
+  const Value* params = table.find("params");
+  for (const auto& [name, value] : params ? params->as_table("params").items : Table{}.items) {
+    const std::size_t index = parameter_index(spec, name, value.place);
+    const bool swept = std::ranges::find(sweep.axes, name, &Sweep::Axis::parameter) != sweep.axes.end();
+    if (swept) throw error_at(value.place, "'", name, "' is what the sweep varies");
+    sweep.parameters.emplace_back(index, parameter_value(value, spec.parameters[index]));
+  }
+}
+
 }  // namespace
+
+double parameter_value(const Value& value, const Parameter& parameter) {
+  const auto* text = std::get_if<std::string>(&value.data);
+  const bool scaled = text != nullptr && text->starts_with('x');
+  const Value number = scaled ? value_from_text(text->substr(1), value.place) : value;
+  const double result = number.as_number(parameter.name) * (scaled ? parameter.nominal : 1.0);
+  if (!(result > 0)) throw error_at(value.place, "'", parameter.name, "' must be > 0, got ", result);
+  return result;
+}
 
 std::vector<double> parse_levels(const Value& value, std::string_view what) {
   if (const auto* table = std::get_if<Table>(&value.data)) return spaced(*table, what);
@@ -99,6 +129,7 @@ Sweep parse_sweep(const Table& table, const Study& study) {
   } else {
     parse_disturbance(table, study, sweep);
   }
+  parse_setting(table, study, sweep);
   if (sweep.cells() > kMostCells)
     throw error_at(table.place, "sweep '", sweep.name, "' has ", sweep.cells(), " cells; at most ", kMostCells);
   return sweep;

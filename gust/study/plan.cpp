@@ -57,6 +57,14 @@ std::string level_text(const StudyPolicy& policy) {
   return policy.alpha ? cat("alpha ", canonical_text(*policy.alpha), "\n") : std::string();
 }
 
+/// What is different in all cells of a sweep.
+std::string setting_text(const Study& study, const Sweep& sweep) {
+  std::string text = injections_text(sweep.disturbed);
+  for (const auto& [index, value] : sweep.parameters)
+    text += cat("parameter ", study.setup.plant->spec().parameters[index].name, " ", canonical_text(value), "\n");
+  return text;
+}
+
 /// What the policy is, without its name: equal policies in two studies share their trials.
 std::string policy_text(const Study& study, const Trial& trial, const Plan& plan) {
   const StudyPolicy& policy = study.policies[trial.policy];
@@ -98,9 +106,9 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
 Trial search_trial(const Study& study, Trial trial, const Plan& plan) {
   const Sweep& sweep = study.sweeps[trial.sweep];
   trial.kind = Trial::Kind::kSearch;
-  trial.canonical =
-      cat("search v", kSearchVersion, "\n", common_text(study), policy_text(study, trial, plan),
-          injections_text(study.always), "sweep ", sweep.injection->canonical(), "\nseed ", study.seed, "\n");
+  trial.canonical = cat("search v", kSearchVersion, "\n", common_text(study), policy_text(study, trial, plan),
+                        injections_text(study.always), setting_text(study, sweep), "sweep ",
+                        sweep.injection->canonical(), "\nseed ", study.seed, "\n");
   trial.what = cat("search ", member_label(study.policies[trial.policy], trial.member), " · ", sweep.name);
   trial.seconds = 0.1;
   name_trial(trial, cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind));
@@ -110,9 +118,10 @@ Trial search_trial(const Study& study, Trial trial, const Plan& plan) {
 std::string sweep_text(const Study& study, const Trial& trial) {
   if (trial.sweep == Trial::kNominal) return "nominal\n";
   const Sweep& sweep = study.sweeps[trial.sweep];
-  std::string text = sweep.injection ? cat("sweep ", sweep.injection->canonical(), "\n") : std::string();
+  std::string text = setting_text(study, sweep);
+  if (sweep.injection) text += cat("sweep ", sweep.injection->canonical(), "\n");
   for (const Sweep::Axis& axis : sweep.axes) {
-    text += cat("axis ", axis.parameter.empty() ? "level" : axis.parameter, " ", canonical_text(axis.values), "\n");
+    text += cat("axis ", axis.name(), " ", canonical_text(axis.values), "\n");
   }
   return text;
 }
@@ -128,7 +137,7 @@ std::string starts_text(const Study& study) {
 std::string sweep_label(const Study& study, const Trial& trial) {
   if (trial.sweep == Trial::kNominal) return "nominal";
   const Sweep& sweep = study.sweeps[trial.sweep];
-  if (sweep.injection) return cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind);
+  if (sweep.along_levels()) return cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind);
   return sweep.axes.size() == 1 ? sweep.axes[0].parameter : cat(sweep.axes[0].parameter, " ", sweep.axes[1].parameter);
 }
 

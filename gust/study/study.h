@@ -33,6 +33,8 @@ struct StudyPolicy {
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;
+  /// Which of them it is: the training seed or the file; empty for a policy that stands alone.
+  std::string member(std::size_t index) const;
 };
 
 /// Something that grows along an axis while everything else stays: the level of a disturbance, or plant parameters.
@@ -41,15 +43,25 @@ struct Sweep {
     std::string parameter;       ///< empty: the level of the injection
     std::size_t index = 0;       ///< of the parameter in the plant's spec
     std::vector<double> values;  ///< ascending; absolute for parameters
+
+    std::string name() const { return parameter.empty() ? "level" : parameter; }
   };
 
   std::string name;
   Place place;
   std::optional<Injection> injection;
-  bool automatic = false;  ///< the levels are found by bisection first
-  std::vector<Axis> axes;  ///< one, or two for a grid (the first varies slowest)
+  bool automatic = false;                                  ///< the levels are found by bisection first
+  std::vector<Axis> axes;                                  ///< one, or two for a grid (the first varies slowest)
+  std::vector<Injection> disturbed;                        ///< on in all cells, beside what the study has on
+  std::vector<std::pair<std::size_t, double>> parameters;  ///< of the plant, by index: other values in all cells
 
   std::size_t cells() const;
+  /// Of an axis: the parameter's, or what the disturbance is measured in ("state units" for an observation).
+  std::string unit(const PlantSpec& spec, std::size_t axis = 0) const;
+  /// What is different in all cells, for people: "pole_mass = 0.15, observation uniform at 0.05"; empty if nothing is.
+  std::string setting(const PlantSpec& spec) const;
+  /// Whether its one axis is the level of a disturbance.
+  bool along_levels() const { return injection.has_value() && axes.size() == 1; }
 };
 
 /// A statement about the outcome, decided with an interval: a bound for one metric in one place, or a formula.

@@ -88,7 +88,7 @@ class Summariser {
   bool has_margin(const TrialGroup& group) const {
     if (group.sweep == Trial::kNominal) return false;
     const Sweep& sweep = study_.sweeps[group.sweep];
-    return sweep.injection && sweep.axes.front().values.size() > 1;
+    return sweep.along_levels() && sweep.axes.front().values.size() > 1;
   }
 
   Series empty_series(const TrialGroup& group, std::size_t start, const RowsHeader& header) const {

@@ -32,11 +32,6 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-std::string level_unit(const Study& study, const Sweep& sweep) {
-  const auto& channels = channels_of(sweep.injection->site, study.setup.plant->spec());
-  return sweep.injection->site == Site::kObservation ? "state units" : channels.front().unit;
-}
-
 }  // namespace
 
 std::string margins_table(const Study& study, const Summary& summary, std::size_t start) {
@@ -45,9 +40,9 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
   for (const StudyPolicy& policy : study.policies) rows.front().push_back(policy.name);
   for (std::size_t s = 0; s < study.sweeps.size(); ++s) {
     const Sweep& sweep = study.sweeps[s];
-    if (!sweep.injection) continue;
+    if (!sweep.along_levels()) continue;
     std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)),
-                                    sweep.injection->waveform.kind, level_unit(study, sweep)};
+                                    sweep.injection->waveform.kind, sweep.unit(study.setup.plant->spec())};
     for (std::size_t p = 0; p < study.policies.size(); ++p) {
       const Series* series = summary.find(p, s, start);
       row.push_back(series && series->has_margin ? margin_text(series->margin) : "-");

@@ -96,13 +96,12 @@ class CellCollector {
         cell_(evaluation.starts.size() * per_start_),
         rows_(rows) {}
 
-  void take(const EpisodeIndex& index, Episode episode) {
-    if (!study_.terminate) episode.ended = episode.whole;
+  void take(const EpisodeIndex& index, const Episode& episode) {
     const std::size_t count = study_.metric_set.size();
-    double* row = &cell_[index.start * per_start_ + static_cast<std::size_t>(index.episode) * count];
-    for (std::size_t m = 0; m < count; ++m) row[m] = study_.metric_set[m].value(episode);
-    score_ = row[study_.metrics.front()];
-    if (&row[count] == cell_.data() + cell_.size()) rows_.append_cell(cell_);
+    const std::size_t first = index.start * per_start_ + static_cast<std::size_t>(index.episode) * count;
+    measure(study_, episode, std::span(cell_).subspan(first, count));
+    score_ = cell_[first + study_.metrics.front()];
+    if (first + count == cell_.size()) rows_.append_cell(cell_);
   }
   /// The headline score of the episode that was taken last.
   double score() const { return score_; }
@@ -154,6 +153,15 @@ Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, c
   return {};
 }
 
+/// What all cells of a trial have in common: levels as declared, parameters as the sweep sets them.
+SweepCell plain_cell(const Study& study, const Trial& trial, std::span<const Injection> injections) {
+  SweepCell cell{{}, nominal_parameters(study.setup.plant->spec())};
+  for (const Injection& injection : injections) cell.levels.push_back(injection.level);
+  if (trial.sweep == Trial::kNominal) return cell;
+  for (const auto& [index, value] : study.sweeps[trial.sweep].parameters) cell.parameters[index] = value;
+  return cell;
+}
+
 /// Whether the policy fails at a level, from the nominal start.
 bool fails_at(const Evaluation& evaluation, Policy& policy, double level) {
   Evaluation one = evaluation;
@@ -185,9 +193,7 @@ Outcome run_search(const Study& study, const Plan& plan, const Trial& trial, con
   const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
   task->evaluation.starts = {nominal_start(study.setup.plant->spec())};
   task->evaluation.episodes = 1;
-  task->evaluation.cells.resize(1);
-  task->evaluation.cells.front().parameters = nominal_parameters(study.setup.plant->spec());
-  for (const Injection& injection : task->injections) task->evaluation.cells.front().levels.push_back(injection.level);
+  task->evaluation.cells = {plain_cell(study, trial, task->injections)};
   const double level = search_level(task->evaluation, *policy, search_limit(task->injections.back().site));
   TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
   writer.write(kLevelFile, cat(level));
@@ -214,10 +220,10 @@ Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const
 }
 
 std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Trial& trial) {
-  const PlantSpec& spec = study.setup.plant->spec();
   auto task = std::make_unique<TrialEvaluation>();
   task->injections = study.always;
   const Sweep* sweep = trial.sweep == Trial::kNominal ? nullptr : &study.sweeps[trial.sweep];
+  if (sweep) task->injections.insert(task->injections.end(), sweep->disturbed.begin(), sweep->disturbed.end());
   if (sweep && sweep->injection) task->injections.push_back(*sweep->injection);
 
   Evaluation& evaluation = task->evaluation;
@@ -227,9 +233,7 @@ std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Tria
   evaluation.starts = study.starts;
   evaluation.episodes = study.episodes;
   evaluation.root = Rng(static_cast<std::uint64_t>(study.seed));
-  SweepCell cell{{}, nominal_parameters(spec)};
-  for (const Injection& injection : task->injections) cell.levels.push_back(injection.level);
-  evaluation.cells.assign(sweep ? sweep->cells() : 1, cell);
+  evaluation.cells.assign(sweep ? sweep->cells() : 1, plain_cell(study, trial, task->injections));
   if (sweep == nullptr) return task;
   const std::size_t inner = sweep->axes.back().values.size();
   for (std::size_t c = 0; c < evaluation.cells.size(); ++c) {
@@ -240,6 +244,11 @@ std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Tria
     }
   }
   return task;
+}
+
+void measure(const Study& study, Episode episode, std::span<double> metrics) {
+  if (!study.terminate) episode.ended = episode.whole;
+  for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m] = study.metric_set[m].value(episode);
 }
 
 std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const Trial& trial, const Store& store) {

@@ -28,6 +28,9 @@ struct TrialEvaluation {
 };
 std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Trial& trial);
 
+/// All metrics of an episode as the study measures them, in the order of its metric set.
+void measure(const Study& study, Episode episode, std::span<double> metrics);
+
 /// The policy of a trial; a trained one is read from the store. Throws Error if it is not there.
 std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const Trial& trial, const Store& store);
 

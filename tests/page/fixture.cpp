@@ -110,8 +110,8 @@ void add_sites(Page& page) {
                         ""};
       const double end = 1.5 * kReach[site] * kWaves[wave].strength;
       for (std::size_t i = 0; i < kLevels; ++i) sweep.levels.push_back(end * static_cast<double>(i) / (kLevels - 1));
-      sweep.command = cat("gust eval lqr --plant cartpole --preset scg-2022 --site ", kSites[site], " --waveform ",
-                          kWaves[wave].name, " --level ", sweep.levels[5], " --json");
+      sweep.command = cat("gust eval lqr --study cartpole-first-look.gust --sweep '", sweep.name, "' --level ",
+                          sweep.levels[5], " --start nominal");
       page.sweeps.push_back(std::move(sweep));
       const std::size_t index = page.sweeps.size() - 1;
       add_curves(page, index, half_level, site, wave);
@@ -254,9 +254,8 @@ Page::Episode episode(std::size_t policy, std::size_t disturbed, double level) {
   }
   out.title = cat(policy == 0 ? "lqr" : "ppo, seed 2", ": ", kSites[disturbed],
                   disturbed == 0 ? " sawtooth " : " step ", level, " ", kUnits[disturbed]);
-  out.command =
-      cat("gust eval ", policy == 0 ? "lqr" : "ppo-2.onnx", " --plant cartpole --preset scg-2022 --site ",
-          kSites[disturbed], " --waveform ", disturbed == 0 ? "sawtooth" : "step", " --level ", level, " --json");
+  out.command = cat("gust eval ", policy == 0 ? "lqr" : "ppo", " --study cartpole-first-look.gust --sweep '",
+                    kSites[disturbed], disturbed == 0 ? " sawtooth" : " step", "' --level ", level, " --start nominal");
   return out;
 }
 

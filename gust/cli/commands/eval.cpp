@@ -10,35 +10,41 @@ namespace {
 
 constexpr const char* kAbout =
     "Runs a policy in closed loop and prints what every episode measured.\n\n"
-    "POLICY is a file that ends in .onnx, lqr, or zero. A disturbance needs --site, --waveform and --level; --set then "
-    "also takes the waveform's options, channels (names), mask (such as 10), start and end (control steps). --set "
-    "takes readings (effort, saturate, command_clip, tap_point) and options of the plant as well: the policy lqr is "
-    "designed for them. --param changes the plant behind the policy's back: the policy stays what it was.";
+    "POLICY is a file that ends in .onnx, lqr, pd or zero. A disturbance needs --site, --waveform and --level; --set "
+    "then also takes the waveform's options, channels (names), mask (such as 10), start and end (control steps). "
+    "--set takes readings (effort, saturate, command_clip, tap_point) and options of the plant as well: the policy "
+    "lqr is designed for them. --param changes the plant behind the policy's back: the policy stays what it was.\n\n"
+    "With --study, POLICY is a policy of the study by its name, and the rest is the study's too: --sweep and --level "
+    "name a cell, and its metrics are the numbers that the study has there, of every seed of the policy.";
 
 constexpr const char* kExamples =
     "Examples:\n"
     "  gust eval lqr --plant cartpole --preset scg-2022 --start random --episodes 25\n"
     "  gust eval ppo.onnx --plant cartpole --site dynamics --waveform impulse --level 2 --set mask=10 --set duration=3 "
     "--json\n"
-    "  gust eval lqr --plant cartpole --start 0.1,0,0.05,0 --param pole_length=x2 --terminate no --json\n\n"
+    "  gust eval lqr --plant cartpole --start 0.1,0,0.05,0 --param pole_length=x2 --terminate no --json\n"
+    "  gust eval ppo --study demo.gust --sweep 'action step' --level 3 --start random\n\n"
     "JSON: an array, one object an episode: length, failed, return_sum_commanded, return_sum_disturbed, every metric "
-    "by its name, initial_state and final_state in the plant's order. Length, sums, rmse_paper, rmse_scg, rmse_sum and "
-    "final_state are over the row's steps: up to failure, or with --terminate no the whole horizon; the other metrics "
-    "keep their definition (gust list metrics).";
+    "by its name, initial_state and final_state in the plant's order, and the seed (or file) of a study's policy. "
+    "Length, sums, rmse_paper, rmse_scg, rmse_sum and final_state are over the row's steps: up to failure, or with "
+    "--terminate no the whole horizon; the other metrics keep their definition (gust list metrics). With --study "
+    "all metrics are the study's.";
 
 void add_options(CLI::App& command, EvalRequest& request) {
-  command.add_option("POLICY", request.policy, "FILE.onnx, lqr or zero")->required();
-  command.add_option("--plant", request.plant, "kind of the plant (gust list plants)")->required()->type_name("KIND");
+  command.add_option("POLICY", request.policy, "FILE.onnx, lqr, pd or zero")->required();
+  command.add_option("--study", request.study, "the folder that gust run left")->type_name("DIR");
+  command.add_option("--sweep", request.sweep, "a sweep of the study (default: undisturbed)")->type_name("NAME");
+  command.add_option("--plant", request.plant, "kind of the plant (gust list plants)")->type_name("KIND");
   command.add_option("--preset", request.preset, "options and readings to start from (gust list presets)")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--start", request.start, "nominal, random, or a state: x,x_dot,...")
-      ->capture_default_str()
+  command.add_option("--start", request.start, "nominal (default), random, or a state: x,x_dot,...; or the study's")
       ->type_name("START");
   command.add_option("--site", request.site, "where the disturbance enters: observation, action or dynamics")
       ->type_name("SITE");
   command.add_option("--waveform", request.waveform, "its shape (gust list waveforms)")->type_name("KIND");
-  command.add_option("--level", request.level, "what the shape is multiplied by")->type_name("NUMBER");
+  command.add_option("--level", request.level, "what the shape is multiplied by; of a sweep a value on its axis")
+      ->type_name("NUMBER");
   command
       .add_option("--set", request.settings, "an option of the waveform, the disturbance, the readings or the plant")
       ->type_name("KEY=VALUE");
@@ -47,12 +53,30 @@ void add_options(CLI::App& command, EvalRequest& request) {
   command.add_option("--terminate", request.terminate, "yes or no: whether failure ends the episode")
       ->capture_default_str()
       ->type_name("WORD");
-  command.add_option("--episodes", request.episodes, "how many (default: 25 from random starts, else 1)")
+  command.add_option("--episodes", request.episodes, "how many (default: the study's; 25 from random starts, else 1)")
       ->type_name("N");
   command.add_option("--seed", request.seed, "of all that is random")
       ->check(CLI::NonNegativeNumber.description(""))
       ->capture_default_str()
       ->type_name("N");
+}
+
+/// With a study all but the cell is the study's, and may not be said again.
+void check_options(const CLI::App& command, const EvalRequest& request) {
+  if (request.study.empty()) {
+    if (request.plant.empty()) throw Error("--plant is required, or --study (gust eval --help)");
+    if (!request.sweep.empty()) throw Error("--sweep: needs the --study that it belongs to");
+    return;
+  }
+  for (const char* name :
+       {"--plant", "--preset", "--site", "--waveform", "--set", "--param", "--terminate", "--seed"}) {
+    if (command.get_option(name)->count() > 0) throw Error(cat(name, ": comes from the study; leave it out"));
+  }
+}
+
+std::vector<EvalRow> rows_of(const EvalRequest& request) {
+  if (!request.study.empty()) return run_cell(request);
+  return run_eval(request, request.has_file() ? read_file(request.policy) : std::string());
 }
 
 }  // namespace
@@ -68,10 +92,9 @@ void command_eval(CLI::App& app, int&) {
   command->footer(kExamples);
   add_options(*command, options->request);
   command->add_flag("--json", options->json, "print one JSON array, one object an episode");
-  command->callback([options] {
-    const EvalRequest& request = options->request;
-    const std::string bytes = request.has_file() ? read_file(request.policy) : std::string();
-    const std::vector<EvalRow> rows = run_eval(request, bytes);
+  command->callback([options, command] {
+    check_options(*command, options->request);
+    const std::vector<EvalRow> rows = rows_of(options->request);
     fmt::print("{}", options->json ? eval_json(rows) : eval_table(rows));
   });
 }

@@ -61,7 +61,7 @@ std::string numbers_text(const std::vector<double>& values) {
 std::string axes_text(const Sweep& sweep) {
   std::vector<std::string> parts;
   for (const Sweep::Axis& axis : sweep.axes) {
-    parts.push_back(cat(axis.parameter.empty() ? "level" : axis.parameter, " ", numbers_text(axis.values)));
+    parts.push_back(cat(axis.name(), " ", numbers_text(axis.values)));
   }
   return join(parts, ", ");
 }
@@ -69,13 +69,16 @@ std::string axes_text(const Sweep& sweep) {
 /// The greatest level of a sweep, or one where that draws nothing.
 double shown_level(const Sweep& sweep) {
   double shown = 0;
-  for (const double level : sweep.axes.front().values) shown = std::abs(level) > std::abs(shown) ? level : shown;
+  const auto levels = std::ranges::find(sweep.axes, "level", &Sweep::Axis::name);
+  for (const double level : levels->values) shown = std::abs(level) > std::abs(shown) ? level : shown;
   return shown == 0 ? 1.0 : shown;
 }
 
 std::string preview_sweep(const Study& study, std::size_t index) {
   const Sweep& sweep = study.sweeps[index];
   std::string text = cat("\n", sweep.name, ": ", axes_text(sweep), "\n");
+  const std::string setting = sweep.setting(study.setup.plant->spec());
+  if (!setting.empty()) text += cat("  with ", setting, "\n");
   if (!sweep.injection) return text;
   Trial trial;
   trial.sweep = index;
