@@ -1,6 +1,7 @@
 #include "gust/cli/study_command.h"
 
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "gust/cli/command.h"
 #include "gust/core/text.h"
 #include "gust/core/version.h"
 #include "gust/study/files.h"
@@ -92,12 +94,13 @@ std::string write_report(const StudyFolder& folder, const std::string& study_fil
 
 std::string summary_text(const Study& study, const Summary& summary) {
   std::string text;
+  const std::size_t columns = terminal_columns(STDOUT_FILENO, 100);
   const std::string metric = study.metric_set.name(summary.margin_metric);
   for (std::size_t start = 0; start < study.starts.size(); ++start) {
-    const std::string table = margins_table(study, summary, start);
+    const std::string table = margins_table(study, summary, start, columns);
     if (table.empty()) continue;
-    text += cat("Robustness margins, ", study.starts[start].name, " start: level at which ", metric,
-                " falls below 90 % of its own nominal value\n\n", table, "\n");
+    text += cat("Robustness margins, ", study.starts[start].name, " start: level where ", metric,
+                " falls to 90 % of nominal\n\n", table, "\n");
   }
   if (!summary.claims.empty()) text += cat("Claims\n\n", claims_table(summary), "\n");
   return text;

@@ -57,8 +57,9 @@ std::vector<std::size_t> summarised_metrics(const Study& study);
 /// number of threads.
 Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads);
 
-/// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal.
-std::string margins_table(const Study& study, const Summary& summary, std::size_t start);
+/// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal. What is
+/// wider than `columns` is told in blocks of policies, one below the other.
+std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns);
 
 /// The verdicts of the claims, one line each.
 std::string claims_table(const Summary& summary);

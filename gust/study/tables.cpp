@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
+#include <span>
 
 #include "gust/study/summary.h"
 
@@ -16,18 +18,54 @@ std::string padded(const std::string& text, std::size_t columns) {
   return text + std::string(columns - std::min(columns, width(text)), ' ');
 }
 
-/// Rows of cells with aligned columns, two spaces between them.
-std::string aligned(const std::vector<std::vector<std::string>>& rows) {
+using TextRows = std::vector<std::vector<std::string>>;
+
+constexpr std::size_t kGap = 2;  // spaces between columns
+
+std::vector<std::size_t> widths_of(const TextRows& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
     for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
   }
+  return widths;
+}
+
+std::size_t total(std::span<const std::size_t> widths) {
+  return std::accumulate(widths.begin(), widths.end(), kGap * (widths.size() - 1));
+}
+
+/// Rows of cells with aligned columns.
+std::string aligned(const TextRows& rows) {
+  const std::vector<std::size_t> widths = widths_of(rows);
   std::string text;
   for (const auto& row : rows) {
     std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c) line += padded(row[c], widths[c] + 2);
+    for (std::size_t c = 0; c < row.size(); ++c) line += padded(row[c], widths[c] + kGap);
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+/// The first `labels` columns and, behind them, those of [from, end).
+TextRows block_of(const TextRows& rows, std::size_t labels, std::size_t from, std::size_t end) {
+  TextRows block;
+  for (const auto& row : rows) {
+    auto& cells = block.emplace_back(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(labels));
+    for (std::size_t c = from; c < end; ++c) cells.push_back(row[c]);
+  }
+  return block;
+}
+
+/// The rows in blocks of as many columns as fit beside the first `labels`, at least one, with a line between them.
+std::string in_blocks(const TextRows& rows, std::size_t labels, std::size_t columns) {
+  const std::vector<std::size_t> widths = widths_of(rows);
+  std::string text;
+  for (std::size_t from = labels, end = from; from < widths.size(); from = end) {
+    std::size_t used = total(std::span(widths).first(labels));
+    do used += kGap + widths[end++];
+    while (end < widths.size() && used + kGap + widths[end] <= columns);
+    text += cat(text.empty() ? "" : "\n", aligned(block_of(rows, labels, from, end)));
   }
   return text;
 }
@@ -39,9 +77,8 @@ std::string level_unit(const Study& study, const Sweep& sweep) {
 
 }  // namespace
 
-std::string margins_table(const Study& study, const Summary& summary, std::size_t start) {
-  std::vector<std::vector<std::string>> rows;
-  rows.push_back({"sweep", "site", "waveform", "unit"});
+std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns) {
+  TextRows rows = {{"sweep", "site", "waveform", "unit"}};
   for (const StudyPolicy& policy : study.policies) rows.front().push_back(policy.name);
   for (std::size_t s = 0; s < study.sweeps.size(); ++s) {
     const Sweep& sweep = study.sweeps[s];
@@ -54,11 +91,14 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
     }
     rows.push_back(std::move(row));
   }
-  return rows.size() == 1 ? std::string() : aligned(rows);
+  if (rows.size() == 1) return {};
+  if (total(widths_of(rows)) <= columns) return aligned(rows);
+  for (auto& row : rows) row.erase(row.begin() + 1, row.begin() + 3);  // the name of the sweep has to do
+  return in_blocks(rows, 2, columns);
 }
 
 std::string claims_table(const Summary& summary) {
-  std::vector<std::vector<std::string>> rows;
+  TextRows rows;
   for (const ClaimVerdict& verdict : summary.claims) {
     rows.push_back({std::string(ruling_name(verdict.verdict.ruling)), verdict.claim->id, verdict.claim->holds,
                     interval_text(verdict.measured), verdict.claim->text});

@@ -24,17 +24,43 @@ TEST_CASE(
   summary.series.push_back(with_margin(0, {{.estimate = 12.5, .low = 10, .high = 15}, false, 30}));
   summary.series.push_back(with_margin(1, {{.estimate = 30}, true, 30}));
 
-  CHECK(margins_table(study, summary, 0) ==
+  CHECK(margins_table(study, summary, 0, 80) ==
         "sweep  site      waveform  unit  lqr            nothing\n"
         "push   action    step      N     12.5 [10, 15]  ≥ 30\n"
         "noise  dynamics  white     N     -              -\n");
+}
+
+TEST_CASE("a table of margins that is too wide names the sweep alone, then goes on in blocks of policies") {
+  const Study study = small_study();
+  Summary summary;
+  summary.series.push_back(with_margin(0, {{.estimate = 12.5, .low = 10, .high = 15}, false, 30}));
+  summary.series.push_back(with_margin(1, {{.estimate = 30}, true, 30}));
+
+  CHECK(margins_table(study, summary, 0, 55) ==
+        "sweep  site      waveform  unit  lqr            nothing\n"
+        "push   action    step      N     12.5 [10, 15]  ≥ 30\n"
+        "noise  dynamics  white     N     -              -\n");
+  CHECK(margins_table(study, summary, 0, 54) ==
+        "sweep  unit  lqr            nothing\n"
+        "push   N     12.5 [10, 15]  ≥ 30\n"
+        "noise  N     -              -\n");
+  const std::string narrow =
+      "sweep  unit  lqr\n"
+      "push   N     12.5 [10, 15]\n"
+      "noise  N     -\n"
+      "\n"
+      "sweep  unit  nothing\n"
+      "push   N     ≥ 30\n"
+      "noise  N     -\n";
+  CHECK(margins_table(study, summary, 0, 34) == narrow);
+  CHECK(margins_table(study, summary, 0, 1) == narrow);
 }
 
 TEST_CASE("a study without disturbances has no table of margins") {
   Study study = small_study();
   study.sweeps.clear();
 
-  CHECK(margins_table(study, {}, 0).empty());
+  CHECK(margins_table(study, {}, 0, 80).empty());
 }
 
 TEST_CASE("a claim is told with its ruling, its condition and what was measured") {
