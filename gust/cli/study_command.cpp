@@ -35,13 +35,14 @@ std::string now_text() {
   return text;
 }
 
-Json margin_json(const Study& study, const Series& series) {
+Json margin_json(const Study& study, const Summary& summary, const Series& series) {
   const Sweep& sweep = study.sweeps[series.sweep];
   return {{"policy", study.policies[series.policy].name},
           {"sweep", sweep.name},
           {"site", site_name(sweep.injection->site)},
           {"waveform", sweep.injection->waveform.kind},
           {"start", study.starts[series.start].name},
+          {"undisturbed", number(summary.undisturbed(series.policy, series.start))},
           {"margin", number(series.margin.level.estimate)},
           {"low", number(series.margin.level.low)},
           {"high", number(series.margin.level.high)},
@@ -109,7 +110,7 @@ std::string summary_text(const Study& study, const Summary& summary) {
 std::string summary_json(const Study& study, const Summary& summary) {
   Json margins = Json::array();
   for (const Series& series : summary.series) {
-    if (series.has_margin) margins.push_back(margin_json(study, series));
+    if (series.has_margin) margins.push_back(margin_json(study, summary, series));
   }
   Json claims = Json::array();
   for (const ClaimVerdict& verdict : summary.claims) {

@@ -47,6 +47,8 @@ struct Summary {
 
   /// The series of a policy, sweep and start; null if its trials are missing.
   const Series* find(std::size_t policy, std::size_t sweep, std::size_t start) const;
+  /// The score of the margins where nothing disturbs; NaN if that trial is missing.
+  double undisturbed(std::size_t policy, std::size_t start) const;
 };
 
 /// The metrics that a summary holds: those that the page leads with, survival, saturation and the score of the margins.

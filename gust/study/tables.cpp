@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <span>
 
@@ -75,26 +76,45 @@ std::string level_unit(const Study& study, const Sweep& sweep) {
   return sweep.injection->site == Site::kObservation ? "state units" : channels.front().unit;
 }
 
+std::vector<std::string> margin_row(const Study& study, const Summary& summary, std::size_t s, std::size_t start) {
+  const Sweep& sweep = study.sweeps[s];
+  std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)),
+                                  sweep.injection->waveform.kind, level_unit(study, sweep)};
+  for (std::size_t p = 0; p < study.policies.size(); ++p) {
+    const Series* series = summary.find(p, s, start);
+    row.push_back(series && series->has_margin ? margin_text(series->margin) : "-");
+  }
+  return row;
+}
+
+/// What the margins are falls from; a star where it falls short of the best.
+std::vector<std::string> undisturbed_row(const Study& study, const Summary& summary, std::size_t start) {
+  std::vector<double> scores;
+  for (std::size_t p = 0; p < study.policies.size(); ++p) scores.push_back(summary.undisturbed(p, start));
+  double best = 0;
+  for (const double score : scores) best = std::max(best, score);  // never NaN: that compares false
+  std::vector<std::string> row = {"undisturbed", "", "", study.metric_set.name(summary.margin_metric)};
+  for (const double score : scores) {
+    row.push_back(std::isnan(score) ? "-" : fmt::format("{:.3g}{}", score, falls_short(score, best) ? " *" : ""));
+  }
+  return row;
+}
+
 }  // namespace
 
 std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns) {
-  TextRows rows = {{"sweep", "site", "waveform", "unit"}};
+  TextRows rows = {{"sweep", "site", "waveform", "unit"}, undisturbed_row(study, summary, start)};
   for (const StudyPolicy& policy : study.policies) rows.front().push_back(policy.name);
   for (std::size_t s = 0; s < study.sweeps.size(); ++s) {
-    const Sweep& sweep = study.sweeps[s];
-    if (!sweep.injection) continue;
-    std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)),
-                                    sweep.injection->waveform.kind, level_unit(study, sweep)};
-    for (std::size_t p = 0; p < study.policies.size(); ++p) {
-      const Series* series = summary.find(p, s, start);
-      row.push_back(series && series->has_margin ? margin_text(series->margin) : "-");
-    }
-    rows.push_back(std::move(row));
+    if (study.sweeps[s].injection) rows.push_back(margin_row(study, summary, s, start));
   }
-  if (rows.size() == 1) return {};
-  if (total(widths_of(rows)) <= columns) return aligned(rows);
+  if (rows.size() == 2) return {};
+  const bool starred = std::ranges::any_of(rows[1], [](const std::string& cell) { return cell.ends_with('*'); });
+  const std::string note =
+      starred ? "\n* below 90 % of the best: a margin from there does not compare with the others\n" : "";
+  if (total(widths_of(rows)) <= columns) return aligned(rows) + note;
   for (auto& row : rows) row.erase(row.begin() + 1, row.begin() + 3);  // the name of the sweep has to do
-  return in_blocks(rows, 2, columns);
+  return in_blocks(rows, 2, columns) + note;
 }
 
 std::string claims_table(const Summary& summary) {
