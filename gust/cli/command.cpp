@@ -1,6 +1,7 @@
 #include "gust/cli/command.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -111,6 +112,12 @@ const CLI::App& find_command(const CLI::App& program, const std::vector<std::str
 bool use_color(int file_descriptor) {
   if (color_choice != "auto") return color_choice == "always";
   return std::getenv("NO_COLOR") == nullptr && isatty(file_descriptor) != 0;
+}
+
+std::size_t terminal_columns(int file_descriptor, std::size_t standard) {
+  winsize size{};
+  const bool known = ioctl(file_descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : standard;
 }
 
 int run_command_line(int argc, const char* const* argv) {

@@ -33,4 +33,7 @@ int run_command_line(int argc, const char* const* argv);
 /// Whether text on this file descriptor may be coloured: a terminal, NO_COLOR unset, and not switched off by --color.
 bool use_color(int file_descriptor);
 
+/// How many columns the terminal on this file descriptor has; the standard where there is no terminal.
+std::size_t terminal_columns(int file_descriptor, std::size_t standard);
+
 }  // namespace gust

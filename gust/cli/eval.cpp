@@ -152,9 +152,9 @@ std::vector<double> row_metrics(const MetricSet& set, const Episode& episode, bo
 }  // namespace
 
 std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard) {
-  const std::int64_t episodes = request.episodes.value_or(standard);
-  if (episodes >= 1 && episodes <= kMostEpisodes) return episodes;
-  throw Error(cat("--episodes: must be 1 to ", kMostEpisodes, ", got ", episodes));
+  if (!request.episodes) return standard;
+  if (*request.episodes >= 1 && *request.episodes <= kMostEpisodes) return *request.episodes;
+  throw Error(cat("--episodes: must be 1 to ", kMostEpisodes, ", got ", *request.episodes));
 }
 
 EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const Episode& episode, bool terminate) {

@@ -1,6 +1,5 @@
 #include "gust/cli/progress.h"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -42,9 +41,7 @@ bool speaks_unicode() {
 }
 
 TerminalStyle terminal_style() {
-  winsize size{};
-  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return {known ? size.ws_col : std::size_t{80}, use_color(STDERR_FILENO), speaks_unicode()};
+  return {terminal_columns(STDERR_FILENO, 80), use_color(STDERR_FILENO), speaks_unicode()};
 }
 
 /// Draws now and then on a thread of its own, from its birth to its end.

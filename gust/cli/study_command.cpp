@@ -1,6 +1,7 @@
 #include "gust/cli/study_command.h"
 
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "gust/cli/command.h"
 #include "gust/core/text.h"
 #include "gust/core/version.h"
 #include "gust/study/files.h"
@@ -33,13 +35,14 @@ std::string now_text() {
   return text;
 }
 
-Json margin_json(const Study& study, const Series& series) {
+Json margin_json(const Study& study, const Summary& summary, const Series& series) {
   const Sweep& sweep = study.sweeps[series.sweep];
   return {{"policy", study.policies[series.policy].name},
           {"sweep", sweep.name},
           {"site", site_name(sweep.injection->site)},
           {"waveform", sweep.injection->waveform.kind},
           {"start", study.starts[series.start].name},
+          {"undisturbed", number(summary.undisturbed(series.policy, series.start))},
           {"margin", number(series.margin.level.estimate)},
           {"low", number(series.margin.level.low)},
           {"high", number(series.margin.level.high)},
@@ -92,12 +95,13 @@ std::string write_report(const StudyFolder& folder, const std::string& study_fil
 
 std::string summary_text(const Study& study, const Summary& summary) {
   std::string text;
+  const std::size_t columns = terminal_columns(STDOUT_FILENO, 100);
   const std::string metric = study.metric_set.name(summary.margin_metric);
   for (std::size_t start = 0; start < study.starts.size(); ++start) {
-    const std::string table = margins_table(study, summary, start);
+    const std::string table = margins_table(study, summary, start, columns);
     if (table.empty()) continue;
-    text += cat("Robustness margins, ", study.starts[start].name, " start: level at which ", metric,
-                " falls below 90 % of its own nominal value\n\n", table, "\n");
+    text += cat("Robustness margins, ", study.starts[start].name, " start: level where ", metric,
+                " falls to 90 % of nominal\n\n", table, "\n");
   }
   if (!summary.claims.empty()) text += cat("Claims\n\n", claims_table(summary), "\n");
   return text;
@@ -106,7 +110,7 @@ std::string summary_text(const Study& study, const Summary& summary) {
 std::string summary_json(const Study& study, const Summary& summary) {
   Json margins = Json::array();
   for (const Series& series : summary.series) {
-    if (series.has_margin) margins.push_back(margin_json(study, series));
+    if (series.has_margin) margins.push_back(margin_json(study, summary, series));
   }
   Json claims = Json::array();
   for (const ClaimVerdict& verdict : summary.claims) {

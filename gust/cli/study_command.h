@@ -27,7 +27,7 @@ std::string write_report(const StudyFolder& folder, const std::string& study_fil
 /// Threads to use: --threads, else GUST_THREADS, else all cores.
 std::size_t thread_count(std::size_t asked);
 
-/// What a study printed on the terminal: margins for each start, then verdicts.
+/// What a study prints on the terminal, as wide as it is: margins for each start, then verdicts.
 std::string summary_text(const Study& study, const Summary& summary);
 /// The same as one JSON object.
 std::string summary_json(const Study& study, const Summary& summary);

@@ -147,6 +147,10 @@ Margin margin(const Curve& curve, const MarginRule& rule, Bootstrap& bootstrap) 
   return result;
 }
 
+bool falls_short(double nominal, double best, const MarginRule& rule) {
+  return best > 0 && nominal < rule.fraction * best;
+}
+
 std::string margin_text(const Margin& margin) {
   const Interval& level = margin.level;
   if (std::isnan(level.estimate)) return "none";

@@ -46,6 +46,10 @@ struct Margin {
 /// NaN if the first is not positive.
 double crossing(std::span<const double> levels, std::span<const double> scores, const MarginRule& rule);
 
+/// Whether a nominal score is below the rule's fraction of the best one. Its margin is then a fall from less, and says
+/// nothing against the others'. False where either score is not known or the best is not positive.
+bool falls_short(double nominal, double best, const MarginRule& rule = {});
+
 /// The margin with its interval, over seeds or, for a single seed, over episodes. Seeds are drawn with their whole
 /// curves. A resample whose nominal score is not positive counts as a margin at the first level.
 Margin margin(const Curve& curve, const MarginRule& rule, Bootstrap& bootstrap);

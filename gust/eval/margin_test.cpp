@@ -173,6 +173,14 @@ TEST_CASE("the interval of an area is over seeds") {
   CHECK(found.unit == Unit::seeds);
 }
 
+TEST_CASE("a score falls short of the best below the rule's fraction of it") {
+  CHECK_FALSE(falls_short(0.9, 1.0));
+  CHECK(falls_short(0.875, 1.0));
+  CHECK_FALSE(falls_short(0.875, 1.0, kHalfScore));
+  CHECK_FALSE(falls_short(-3.0, -1.0));
+  CHECK_FALSE(falls_short(std::nan(""), 1.0));
+}
+
 TEST_CASE("levels that do not ascend and cells of different shape are refused") {
   Bootstrap bootstrap(Rng(11));
   Scene scene{{{1.0, 1.0}, {1.0}}, 1};

@@ -5,6 +5,7 @@
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
+#include "gust/eval/margin.h"
 #include "gust/report/html.h"
 
 namespace gust {
@@ -20,10 +21,35 @@ std::string policy_html(const Page& page, std::size_t policy) {
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
+/// The policy with the greatest undisturbed score; kNone where none is known.
+std::size_t best_undisturbed(const Page& page, std::size_t start) {
+  std::size_t best = Page::kNone;
+  for (std::size_t p = 0; p < page.policies.size(); ++p) {
+    const double score = undisturbed(page, p, start);
+    if (!std::isnan(score) && (best == Page::kNone || score > undisturbed(page, best, start))) best = p;
+  }
+  return best;
+}
+
+/// The policies whose undisturbed score is so far from the best that their margins do not compare.
+std::vector<std::size_t> short_of_best(const Page& page, std::size_t start) {
+  std::vector<std::size_t> out;
+  const std::size_t best = best_undisturbed(page, start);
+  for (std::size_t p = 0; best != Page::kNone && p < page.policies.size(); ++p) {
+    const MarginRule rule{.fraction = page.margin_share};
+    if (falls_short(undisturbed(page, p, start), undisturbed(page, best, start), rule)) out.push_back(p);
+  }
+  return out;
+}
+
+/// The margins of a sweep that compare.
 std::vector<const Page::Margin*> margins_of(const Page& page, std::size_t sweep, std::size_t start) {
   std::vector<const Page::Margin*> out;
+  const std::vector<std::size_t> left_out = short_of_best(page, start);
   for (const auto& margin : page.margins) {
-    if (margin.sweep == sweep && margin.start == start && !std::isnan(margin.level.value)) out.push_back(&margin);
+    const bool compares = std::ranges::find(left_out, margin.policy) == left_out.end();
+    if (margin.sweep == sweep && margin.start == start && compares && !std::isnan(margin.level.value))
+      out.push_back(&margin);
   }
   return out;
 }
@@ -80,6 +106,22 @@ std::string ranking(const Page& page) {
   return cat(join(parts, ", "), rest, ".");
 }
 
+/// "ppo (0.31) is not ranked: undisturbed it scores less than 90 % of the best, lqr (0.98); a margin is a fall from a
+/// policy's own score."
+std::string not_ranked(const Page& page) {
+  const std::size_t best = best_undisturbed(page, 0);
+  const auto scored = [&](std::size_t policy) {
+    return cat(policy_html(page, policy), " (", short_number(undisturbed(page, policy, 0)), ")");
+  };
+  std::vector<std::string> parts;
+  for (const std::size_t policy : short_of_best(page, 0)) parts.push_back(scored(policy));
+  if (parts.empty()) return "";
+  const bool one = parts.size() == 1;
+  return cat(join(parts, ", "), one ? " is" : " are", " not ranked: undisturbed ", one ? "it scores" : "they score",
+             " less than ", percent(page.margin_share), " of the best, ", scored(best),
+             "; a margin is a fall from a policy’s own score.");
+}
+
 /// The smallest margin on each site: "On the action site ppo goes first, under step at 11.8 N [11.2, 12.1]."
 std::string first_to_fall(const Page& page, const std::string& site) {
   const Page::Margin* first = nullptr;
@@ -106,6 +148,12 @@ std::string worst_cell(const Page& page) {
 }
 
 }  // namespace
+
+double undisturbed(const Page& page, std::size_t policy, std::size_t start) {
+  const auto at = std::ranges::find_if(
+      page.margins, [&](const Page::Margin& margin) { return margin.policy == policy && margin.start == start; });
+  return at == page.margins.end() ? Page::kUnknown : at->nominal;
+}
 
 std::string margin_html(const Page& page, const Page::Margin& margin) {
   const std::string& unit = page.sweeps[margin.sweep].unit;
@@ -134,6 +182,7 @@ std::vector<std::string> answer_html(const Page& page) {
   for (const auto& sentence : page.answer) out.push_back(escaped(sentence));
   if (!page.margins.empty()) {
     if (const std::string sentence = ranking(page); !sentence.empty()) out.push_back(sentence);
+    if (const std::string sentence = not_ranked(page); !sentence.empty()) out.push_back(sentence);
     for (const auto& site : sites_of(page)) out.push_back(first_to_fall(page, site));
   }
   if (!page.worst.empty()) out.push_back(worst_cell(page));

@@ -67,6 +67,34 @@ TEST_CASE("the answer ranks the policies, then names the first to fall on each s
   CHECK(sentences[2] == "On the <b>dynamics</b> site nothing on the grid costs more than 10\u00a0% of the score.");
 }
 
+TEST_CASE("a policy that is far from the best undisturbed is not ranked, and that is said") {
+  Page page = two_policies();
+  page.margins = {{0, 0, 0, {4, 4, 4}, false, 0.98}, {0, 1, 0, {6, 5, 7}, false, 0.3}};
+
+  const auto sentences = answer_html(page);
+
+  CHECK(clear_winner(page, 0, 0) == Page::kNone);
+  REQUIRE(sentences.size() == 3);
+  CHECK(
+      sentences[0] ==
+      "<b class=\"policy\" data-policy=\"1\">ppo</b> (0.3) is not ranked: undisturbed it scores less than 90\u00a0% "
+      "of "
+      "the best, <b class=\"policy\" data-policy=\"0\">lqr</b> (0.98); a margin is a fall from a policy’s own score.");
+}
+
+TEST_CASE("those that do about as well undisturbed are ranked among themselves") {
+  Page page = two_policies();
+  page.policies.push_back({"zero", "zero", 1});
+  page.margins = {
+      {0, 0, 0, {4, 4, 4}, false, 1.0}, {0, 1, 0, {6, 5, 7}, false, 0.9}, {0, 2, 0, {10, 10, kInfinity}, true, 0.89}};
+
+  const auto sentences = answer_html(page);
+
+  CHECK(clear_winner(page, 0, 0) == 1);
+  CHECK(sentences[0].find("ppo</b> stands the most under 1 of 1 disturbance.") != std::string::npos);
+  CHECK(sentences[1].find("zero</b> (0.89) is not ranked") != std::string::npos);
+}
+
 TEST_CASE("a margin is told with its unit and interval, and one beyond the grid as at least") {
   Page page = two_policies();
 

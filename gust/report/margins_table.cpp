@@ -77,13 +77,15 @@ std::string row_html(const Page& page, std::size_t start, std::size_t sweep_inde
   return out + "</tr>\n";
 }
 
-std::string head_html(const Page& page) {
+std::string head_html(const Page& page, std::size_t start) {
   std::string out = "<thead><tr><th scope=\"col\">disturbance</th>";
   for (std::size_t p = 0; p < page.policies.size(); ++p) {
     const auto& policy = page.policies[p];
     const std::string seeds = policy.seeds > 1 ? cat(", ", policy.seeds, " seeds") : "";
+    const double score = undisturbed(page, p, start);
+    const std::string nominal = std::isnan(score) ? "" : cat("<small>", short_number(score), " undisturbed</small>");
     out += cat("<th scope=\"col\" data-policy=\"", p, "\"><span class=\"key\" data-policy=\"", p, "\"></span>",
-               escaped(policy.name), "<small>", escaped(policy.kind), seeds, "</small></th>");
+               escaped(policy.name), "<small>", escaped(policy.kind), seeds, "</small>", nominal, "</th>");
   }
   return out + "</tr></thead>\n";
 }
@@ -102,7 +104,7 @@ std::string table_html(const Page& page, std::size_t start, const Rows& rows) {
   }
   std::string out = cat("<div class=\"scroll margins\" data-start=\"", start,
                         "\" tabindex=\"0\" role=\"region\" aria-label=\"Margins, ", escaped(page.starts[start].title),
-                        "\"><table style=\"--policies:", page.policies.size(), "\">\n", head_html(page));
+                        "\"><table style=\"--policies:", page.policies.size(), "\">\n", head_html(page, start));
   for (const auto& group : groups) {
     out += cat("<tbody><tr class=\"group\"><th colspan=\"", page.policies.size() + 1, "\" scope=\"rowgroup\">",
                escaped(group), "</th></tr>\n", bodies[group], "</tbody>\n");

@@ -96,8 +96,8 @@ std::string answer_section(const Page& page, const std::vector<std::string>& lef
                escaped(page.metrics[page.margin_metric].title), " falls below ",
                fmt::format("{:.0f} %", 100 * page.margin_share),
                " of its undisturbed value. Bar: interval, on the scale of its row. <b class=\"ahead\">Bold</b>: "
-               "clearly ahead of all "
-               "others.</p>\n<div class=\"choices\" id=\"margin-choices\"></div>\n",
+               "clearly ahead of all others; who undisturbed scores less than that share of the best is left "
+               "out.</p>\n<div class=\"choices\" id=\"margin-choices\"></div>\n",
                table);
   }
   if (const std::string table = worst_table(page); !table.empty()) {

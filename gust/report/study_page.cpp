@@ -176,7 +176,7 @@ class PageWriter {
                              series.start,
                              {margin.level.estimate, margin.level.low, margin.level.high},
                              margin.censored,
-                             series.at(summary_.margin_metric, 0).value});
+                             summary_.undisturbed(series.policy, series.start)});
   }
 
   void grid(const Series& series) {
@@ -208,13 +208,12 @@ class PageWriter {
           worst = cell;
       }
       const Estimate& score = series.at(summary_.margin_metric, worst);
-      const Series* nominal = summary_.find(series.policy, Trial::kNominal, series.start);
       page_.worst.push_back({sweep_at_[series.sweep],
                              series.policy,
                              series.start,
                              study_.sweeps[series.sweep].axes.front().values[worst],
                              {score.value, score.low, score.high},
-                             nominal ? nominal->at(summary_.margin_metric, 0).value : Page::kUnknown,
+                             summary_.undisturbed(series.policy, series.start),
                              Page::kNone});
     }
     std::ranges::stable_sort(page_.worst, {}, [](const Page::WorstCell& cell) { return cell.score.value; });

@@ -186,6 +186,12 @@ void add_trial(PackOutput& output, const StoredTrial& trial) {
   }
 }
 
+void read_pack_file(const fs::path& file, PackVisitor& visitor) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw file_error(file, "cannot read");
+  read_pack(stream, file.string(), visitor);
+}
+
 }  // namespace
 
 PackCount pack_store(const Store& store, const fs::path& file) {
@@ -202,11 +208,14 @@ PackCount pack_store(const Store& store, const fs::path& file) {
   return count;
 }
 
+void check_pack(const fs::path& file) {
+  PackVisitor heedless;
+  read_pack_file(file, heedless);
+}
+
 PackCount unpack_store(const fs::path& file, const Store& store) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw file_error(file, "cannot read");
   Unpacker unpacker(store);
-  read_pack(stream, file.string(), unpacker);
+  read_pack_file(file, unpacker);
   unpacker.count.bytes = fs::file_size(file);
   return unpacker.count;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gust/study/toml.h"
+#include "gust/study/trials.h"
 
 namespace gust {
 namespace {
@@ -58,7 +59,7 @@ StartProtocol parse_start(const Value& value, const PlantSpec& spec) {
 void parse_evaluate(const Table& table, Study& study) {
   check_keys(table, {"episodes", "start", "terminate", "metrics", "disturb"}, "[evaluate]");
   const PlantSpec& spec = study.setup.plant->spec();
-  study.episodes = optional_int(table, "episodes", study.episodes, between(1, 1'000'000));
+  study.episodes = optional_int(table, "episodes", study.episodes, positive);
   if (const Value* terminate = table.find("terminate")) study.terminate = terminate->as_bool("terminate");
   if (const Value* start = table.find("start")) {
     study.starts.clear();
@@ -72,6 +73,10 @@ void parse_evaluate(const Table& table, Study& study) {
       }
     }
     if (study.starts.empty()) throw error_at(start->place, "'start' must name at least one start: nominal, random");
+  }
+  if (const std::string wrong = complaint(rows_header(study, 1)); !wrong.empty()) {
+    const Value* episodes = table.find("episodes");
+    throw error_at(episodes ? episodes->place : table.place, wrong);
   }
   if (const Value* names = table.find("metrics")) {
     study.metrics.clear();

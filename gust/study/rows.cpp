@@ -18,8 +18,7 @@ using Json = nlohmann::json;
 constexpr std::string_view kMagic = "gust rows 1\n";
 constexpr std::size_t kMostNames = 1000;
 constexpr std::size_t kLongestName = 200;
-constexpr std::uint32_t kLongestHeader = 1 << 20;  // bytes of JSON
-constexpr std::uint64_t kMostEpisodes = 1 << 23;
+constexpr std::uint32_t kLongestHeader = 1 << 20;           // bytes of JSON
 constexpr std::size_t kLargestCell = std::size_t{1} << 26;  // bytes
 constexpr std::size_t kUsualBlock = std::size_t{1} << 18;   // bytes before compression, unless one cell has more
 constexpr int kLevel = 3;                                   // of compression
@@ -40,20 +39,6 @@ std::string_view bytes_of(const T& value) {
 
 std::size_t cells_per_block(const RowsHeader& header) {
   return std::max<std::size_t>(1, kUsualBlock / (header.cell_size() * sizeof(double)));
-}
-
-/// What is wrong with a header, or an empty text.
-std::string_view complaint(const RowsHeader& header) {
-  const auto bad_list = [](const std::vector<std::string>& names) {
-    const auto too_long = [](const std::string& name) { return name.size() > kLongestName; };
-    return names.empty() || names.size() > kMostNames || std::ranges::any_of(names, too_long);
-  };
-  if (bad_list(header.metrics)) return "1 to 1000 metrics with names of at most 200 bytes are needed";
-  if (bad_list(header.starts)) return "1 to 1000 starts with names of at most 200 bytes are needed";
-  if (header.episodes == 0 || header.episodes > kMostEpisodes) return "1 to 8388608 episodes are needed";
-  if (header.cell_size() > kLargestCell / sizeof(double)) return "a cell may not be larger than 64 MiB";
-  if (header.cells == 0) return "at least one cell is needed";
-  return "";
 }
 
 std::string header_bytes(const RowsHeader& header) {
@@ -127,15 +112,29 @@ RowsHeader read_header(std::istream& stream, std::string_view name) {
   if (!json.is_object()) throw Error(cat(name, ": damaged rows: the header is no JSON object"));
   RowsHeader header = {parse_names(json.value("metrics", Json())), parse_names(json.value("starts", Json())),
                        parse_count(json.value("episodes", Json())), parse_count(json.value("cells", Json()))};
-  const std::string_view wrong = complaint(header);
+  const std::string wrong = complaint(header);
   if (!wrong.empty()) throw Error(cat(name, ": damaged rows: ", wrong));
   return header;
 }
 
 }  // namespace
 
+std::string complaint(const RowsHeader& header) {
+  const auto bad_list = [](const std::vector<std::string>& names) {
+    const auto too_long = [](const std::string& name) { return name.size() > kLongestName; };
+    return names.empty() || names.size() > kMostNames || std::ranges::any_of(names, too_long);
+  };
+  if (bad_list(header.metrics)) return "1 to 1000 metrics with names of at most 200 bytes are needed";
+  if (bad_list(header.starts)) return "1 to 1000 starts with names of at most 200 bytes are needed";
+  const std::size_t most = kLargestCell / sizeof(double) / header.starts.size() / header.metrics.size();
+  if (header.episodes == 0 || header.episodes > most) {
+    return cat("episodes must be 1 to ", most, " with ", header.starts.size(), " starts, got ", header.episodes);
+  }
+  return header.cells == 0 ? "at least one cell is needed" : "";
+}
+
 RowsWriter::RowsWriter(RowsHeader header, ByteSink sink) : header_(std::move(header)), sink_(std::move(sink)) {
-  const std::string_view wrong = complaint(header_);
+  const std::string wrong = complaint(header_);
   if (!wrong.empty()) throw Error(cat("rows of a sweep: ", wrong));
   const std::string text = header_bytes(header_);
   sink_(kMagic);

@@ -22,6 +22,9 @@ struct RowsHeader {
   bool operator==(const RowsHeader&) const = default;
 };
 
+/// What makes a header one that no file can have, or an empty text.
+std::string complaint(const RowsHeader& header);
+
 /// Takes the next bytes of a file: `[&](std::string_view bytes) { file.append(bytes); }`.
 using ByteSink = std::function<void(std::string_view)>;
 

@@ -127,7 +127,8 @@ TEST_CASE("rows that could not be read again are not begun") {
   };
 
   CHECK(begin({{}, {"s"}, 1, 1}) == "rows of a sweep: 1 to 1000 metrics with names of at most 200 bytes are needed");
-  CHECK(begin({{"a"}, {"s"}, 0, 1}) == "rows of a sweep: 1 to 8388608 episodes are needed");
-  CHECK(begin({{"a", "b"}, {"s"}, 8'000'000, 1}) == "rows of a sweep: a cell may not be larger than 64 MiB");
+  CHECK(begin({{"a"}, {"s"}, 0, 1}) == "rows of a sweep: episodes must be 1 to 8388608 with 1 starts, got 0");
+  CHECK(begin({{"a", "b"}, {"s"}, 8'000'000, 1}) ==
+        "rows of a sweep: episodes must be 1 to 4194304 with 1 starts, got 8000000");
   CHECK(begin({{"a"}, {"s"}, 1, 0}) == "rows of a sweep: at least one cell is needed");
 }

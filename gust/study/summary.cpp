@@ -212,6 +212,11 @@ const Series* Summary::find(std::size_t policy, std::size_t sweep, std::size_t s
   return nullptr;
 }
 
+double Summary::undisturbed(std::size_t policy, std::size_t start) const {
+  const Series* nominal = find(policy, Trial::kNominal, start);
+  return nominal ? nominal->at(margin_metric, 0).value : std::numeric_limits<double>::quiet_NaN();
+}
+
 Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads) {
   const std::vector<TrialGroup> groups = trial_groups(plan);
   Summary summary;

@@ -47,6 +47,8 @@ struct Summary {
 
   /// The series of a policy, sweep and start; null if its trials are missing.
   const Series* find(std::size_t policy, std::size_t sweep, std::size_t start) const;
+  /// The score of the margins where nothing disturbs; NaN if that trial is missing.
+  double undisturbed(std::size_t policy, std::size_t start) const;
 };
 
 /// The metrics that a summary holds: those that the page leads with, survival, saturation and the score of the margins.
@@ -57,8 +59,9 @@ std::vector<std::size_t> summarised_metrics(const Study& study);
 /// number of threads.
 Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads);
 
-/// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal.
-std::string margins_table(const Study& study, const Summary& summary, std::size_t start);
+/// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal. What is
+/// wider than `columns` is told in blocks of policies, one below the other.
+std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns);
 
 /// The verdicts of the claims, one line each.
 std::string claims_table(const Summary& summary);

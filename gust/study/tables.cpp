@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
 
 #include "gust/study/summary.h"
 
@@ -16,44 +19,101 @@ std::string padded(const std::string& text, std::size_t columns) {
   return text + std::string(columns - std::min(columns, width(text)), ' ');
 }
 
-/// Rows of cells with aligned columns, two spaces between them.
-std::string aligned(const std::vector<std::vector<std::string>>& rows) {
+using TextRows = std::vector<std::vector<std::string>>;
+
+constexpr std::size_t kGap = 2;  // spaces between columns
+
+std::vector<std::size_t> widths_of(const TextRows& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
     for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
   }
+  return widths;
+}
+
+std::size_t total(std::span<const std::size_t> widths) {
+  return std::accumulate(widths.begin(), widths.end(), kGap * (widths.size() - 1));
+}
+
+/// Rows of cells with aligned columns.
+std::string aligned(const TextRows& rows) {
+  const std::vector<std::size_t> widths = widths_of(rows);
   std::string text;
   for (const auto& row : rows) {
     std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c) line += padded(row[c], widths[c] + 2);
+    for (std::size_t c = 0; c < row.size(); ++c) line += padded(row[c], widths[c] + kGap);
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
 }
 
+/// The first `labels` columns and, behind them, those of [from, end).
+TextRows block_of(const TextRows& rows, std::size_t labels, std::size_t from, std::size_t end) {
+  TextRows block;
+  for (const auto& row : rows) {
+    auto& cells = block.emplace_back(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(labels));
+    for (std::size_t c = from; c < end; ++c) cells.push_back(row[c]);
+  }
+  return block;
+}
+
+/// The rows in blocks of as many columns as fit beside the first `labels`, at least one, with a line between them.
+std::string in_blocks(const TextRows& rows, std::size_t labels, std::size_t columns) {
+  const std::vector<std::size_t> widths = widths_of(rows);
+  std::string text;
+  for (std::size_t from = labels, end = from; from < widths.size(); from = end) {
+    std::size_t used = total(std::span(widths).first(labels));
+    do used += kGap + widths[end++];
+    while (end < widths.size() && used + kGap + widths[end] <= columns);
+    text += cat(text.empty() ? "" : "\n", aligned(block_of(rows, labels, from, end)));
+  }
+  return text;
+}
+
+std::vector<std::string> margin_row(const Study& study, const Summary& summary, std::size_t s, std::size_t start) {
+  const Sweep& sweep = study.sweeps[s];
+  std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)),
+                                  sweep.injection->waveform.kind, sweep.unit(study.setup.plant->spec())};
+  for (std::size_t p = 0; p < study.policies.size(); ++p) {
+    const Series* series = summary.find(p, s, start);
+    row.push_back(series && series->has_margin ? margin_text(series->margin) : "-");
+  }
+  return row;
+}
+
+/// What the margins are falls from; a star where it falls short of the best.
+std::vector<std::string> undisturbed_row(const Study& study, const Summary& summary, std::size_t start) {
+  std::vector<double> scores;
+  for (std::size_t p = 0; p < study.policies.size(); ++p) scores.push_back(summary.undisturbed(p, start));
+  double best = 0;
+  for (const double score : scores) best = std::max(best, score);  // never NaN: that compares false
+  std::vector<std::string> row = {"undisturbed", "", "", study.metric_set.name(summary.margin_metric)};
+  for (const double score : scores) {
+    row.push_back(std::isnan(score) ? "-" : fmt::format("{:.3g}{}", score, falls_short(score, best) ? " *" : ""));
+  }
+  return row;
+}
+
 }  // namespace
 
-std::string margins_table(const Study& study, const Summary& summary, std::size_t start) {
-  std::vector<std::vector<std::string>> rows;
-  rows.push_back({"sweep", "site", "waveform", "unit"});
+std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns) {
+  TextRows rows = {{"sweep", "site", "waveform", "unit"}, undisturbed_row(study, summary, start)};
   for (const StudyPolicy& policy : study.policies) rows.front().push_back(policy.name);
   for (std::size_t s = 0; s < study.sweeps.size(); ++s) {
-    const Sweep& sweep = study.sweeps[s];
-    if (!sweep.along_levels()) continue;
-    std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)),
-                                    sweep.injection->waveform.kind, sweep.unit(study.setup.plant->spec())};
-    for (std::size_t p = 0; p < study.policies.size(); ++p) {
-      const Series* series = summary.find(p, s, start);
-      row.push_back(series && series->has_margin ? margin_text(series->margin) : "-");
-    }
-    rows.push_back(std::move(row));
+    if (study.sweeps[s].along_levels()) rows.push_back(margin_row(study, summary, s, start));
   }
-  return rows.size() == 1 ? std::string() : aligned(rows);
+  if (rows.size() == 2) return {};
+  const bool starred = std::ranges::any_of(rows[1], [](const std::string& cell) { return cell.ends_with('*'); });
+  const std::string note =
+      starred ? "\n* below 90 % of the best: a margin from there does not compare with the others\n" : "";
+  if (total(widths_of(rows)) <= columns) return aligned(rows) + note;
+  for (auto& row : rows) row.erase(row.begin() + 1, row.begin() + 3);  // the name of the sweep has to do
+  return in_blocks(rows, 2, columns) + note;
 }
 
 std::string claims_table(const Summary& summary) {
-  std::vector<std::vector<std::string>> rows;
+  TextRows rows;
   for (const ClaimVerdict& verdict : summary.claims) {
     rows.push_back({std::string(ruling_name(verdict.verdict.ruling)), verdict.claim->id, verdict.claim->holds,
                     interval_text(verdict.measured), verdict.claim->text});

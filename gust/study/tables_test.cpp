@@ -15,26 +15,61 @@ Series with_margin(std::size_t policy, const Margin& margin) {
   return series;
 }
 
+Series with_score(std::size_t policy, double score) {
+  return {.policy = policy, .cells = 1, .metrics = {MetricSet().index("anr", {})}, .values = {{score, score, score}}};
+}
+
+/// Two policies of a score each that were pushed; of the noise nothing is known.
+Summary two_margins(double lqr, double nothing) {
+  Summary summary{.margin_metric = MetricSet().index("anr", {})};
+  summary.series = {with_score(0, lqr), with_margin(0, {{.estimate = 12.5, .low = 10, .high = 15}, false, 30}),
+                    with_score(1, nothing), with_margin(1, {{.estimate = 30}, true, 30})};
+  return summary;
+}
+
 }  // namespace
 
-TEST_CASE(
-    "the table of margins has a row a disturbance and a column a policy, aligned, a dash where nothing is known") {
-  const Study study = small_study();
-  Summary summary;
-  summary.series.push_back(with_margin(0, {{.estimate = 12.5, .low = 10, .high = 15}, false, 30}));
-  summary.series.push_back(with_margin(1, {{.estimate = 30}, true, 30}));
+TEST_CASE("margins have a row a disturbance and a column a policy, and above them the score that they fall from") {
+  CHECK(margins_table(small_study(), two_margins(0.9, 0.81), 0, 80) ==
+        "sweep        site      waveform  unit  lqr            nothing\n"
+        "undisturbed                      anr   0.9            0.81\n"
+        "push         action    step      N     12.5 [10, 15]  ≥ 30\n"
+        "noise        dynamics  white     N     -              -\n");
+}
 
-  CHECK(margins_table(study, summary, 0) ==
-        "sweep  site      waveform  unit  lqr            nothing\n"
-        "push   action    step      N     12.5 [10, 15]  ≥ 30\n"
-        "noise  dynamics  white     N     -              -\n");
+TEST_CASE("a policy that scores less than 90 % of the best undisturbed gets a star") {
+  const std::string table = margins_table(small_study(), two_margins(0.9, 0.5), 0, 80);
+
+  CHECK(table.find("anr   0.9            0.5 *\n") != std::string::npos);
+  CHECK(table.ends_with("\n\n* below 90 % of the best: a margin from there does not compare with the others\n"));
+}
+
+TEST_CASE("a table of margins that is too wide names the sweep alone, then goes on in blocks of policies") {
+  const Study study = small_study();
+  const Summary summary = two_margins(0.9, 0.9);
+  const std::string blocks =
+      "sweep        unit  lqr\n"
+      "undisturbed  anr   0.9\n"
+      "push         N     12.5 [10, 15]\n"
+      "noise        N     -\n"
+      "\n"
+      "sweep        unit  nothing\n"
+      "undisturbed  anr   0.9\n"
+      "push         N     ≥ 30\n"
+      "noise        N     -\n";
+
+  CHECK(margins_table(study, summary, 0, 61).starts_with("sweep        site      waveform"));
+  CHECK(margins_table(study, summary, 0, 60).starts_with("sweep        unit  lqr            nothing\n"));
+  CHECK(margins_table(study, summary, 0, 41).starts_with("sweep        unit  lqr            nothing\n"));
+  CHECK(margins_table(study, summary, 0, 40) == blocks);
+  CHECK(margins_table(study, summary, 0, 1) == blocks);
 }
 
 TEST_CASE("a study without disturbances has no table of margins") {
   Study study = small_study();
   study.sweeps.clear();
 
-  CHECK(margins_table(study, {}, 0).empty());
+  CHECK(margins_table(study, {}, 0, 80).empty());
 }
 
 TEST_CASE("a claim is told with its ruling, its condition and what was measured") {

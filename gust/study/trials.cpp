@@ -10,7 +10,6 @@
 #include "gust/nn/onnx.h"
 #include "gust/study/checkpoint.h"
 #include "gust/study/policies.h"
-#include "gust/study/rows.h"
 #include "gust/study/trace_choice.h"
 
 namespace gust {
@@ -114,15 +113,6 @@ class CellCollector {
   double score_ = 0;
 };
 
-RowsHeader rows_header(const Study& study, const Evaluation& evaluation) {
-  RowsHeader header;
-  for (std::size_t m = 0; m < study.metric_set.size(); ++m) header.metrics.push_back(study.metric_set.name(m));
-  for (const StartProtocol& start : evaluation.starts) header.starts.push_back(start.name);
-  header.episodes = static_cast<std::uint64_t>(evaluation.episodes);
-  header.cells = evaluation.cells.size();
-  return header;
-}
-
 struct Stopped {};  // leaves an evaluation between two episodes
 
 Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,
@@ -132,7 +122,7 @@ Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, c
   const Evaluation& evaluation = task->evaluation;
   TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
   OutputFile& file = writer.file(kRowsFile);
-  RowsWriter rows(rows_header(study, evaluation), [&](std::string_view bytes) { file.append(bytes); });
+  RowsWriter rows(rows_header(study, evaluation.cells.size()), [&](std::string_view bytes) { file.append(bytes); });
   CellCollector collector(study, evaluation, rows);
   TraceChoice choice(study.traces, study.metric_set[study.metrics.front()].higher_is_better());
   try {
@@ -217,6 +207,13 @@ Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const
     default:
       return run_evaluate(study, plan, trial, store, stop, progress);
   }
+}
+
+RowsHeader rows_header(const Study& study, std::uint64_t cells) {
+  RowsHeader header{.episodes = static_cast<std::uint64_t>(study.episodes), .cells = cells};
+  for (std::size_t m = 0; m < study.metric_set.size(); ++m) header.metrics.push_back(study.metric_set.name(m));
+  for (const StartProtocol& start : study.starts) header.starts.push_back(start.name);
+  return header;
 }
 
 std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Trial& trial) {

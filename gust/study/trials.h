@@ -2,6 +2,7 @@
 
 #include "gust/study/executor.h"
 #include "gust/study/plan.h"
+#include "gust/study/rows.h"
 #include "gust/study/store.h"
 
 namespace gust {
@@ -20,6 +21,9 @@ inline constexpr std::string_view kLevelFile = "level.txt";  ///< failure level 
 /// their checkpoint. Throws or returns a failure with its reason; returns `stopped` soon after the token fires.
 Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const Store& store, std::stop_token stop,
                   ProgressSink& progress);
+
+/// What the rows of an evaluation of so many cells are.
+RowsHeader rows_header(const Study& study, std::uint64_t cells);
 
 /// What an evaluation trial measures. The study must outlive it.
 struct TrialEvaluation {

@@ -25,6 +25,7 @@ void pack(const Options& options) {
 }
 
 void unpack(const Options& options) {
+  check_pack(options.file);  // before anything is made
   const Store store(StudyFolder(options.folder).store(), Store::Access::write, tell);
   const PackCount count = unpack_store(options.file, store);
   fmt::print("{}: {} trials added, {} were there\n", options.folder, count.trials, count.present);

@@ -1,0 +1,65 @@
+"""What a study prints when it is done: every line fits, on a terminal and elsewhere."""
+
+import fcntl
+import os
+import pty
+import struct
+import subprocess
+import termios
+
+import pytest
+from conftest import PROGRAM
+
+STUDY = """
+schema = 1
+name   = "summary"
+plant  = { kind = "cartpole" }
+
+[evaluate]
+episodes = 3
+
+POLICIES
+
+[[sweep]]
+name     = "observation triangle"
+site     = "observation"
+waveform = "triangle"
+levels   = [0, 0.1, 0.3]
+"""
+POLICIES = "\n".join(f'[[policy]]\nname = "weight {r} on effort"\nkind = "lqr"\nr = [{r}]' for r in range(1, 9))
+
+
+def printed_at(folder, columns):
+    """What `gust show` prints on a terminal of so many columns, or into a pipe."""
+    command = [PROGRAM, "show", "summary.gust"]
+    if columns is None:
+        return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+    subprocess.run(command, cwd=folder, stdout=theirs, check=True)
+    os.close(theirs)
+    shown = b""
+    while piece := read(ours):
+        shown += piece
+    os.close(ours)
+    return shown.decode().replace("\r\n", "\n")
+
+
+def read(terminal):
+    try:
+        return os.read(terminal, 65536)
+    except OSError:  # the other end is closed
+        return b""
+
+
+@pytest.mark.parametrize("columns", [80, 120, None, 400])
+def test_margins_of_many_policies_fit_in_blocks(gust, tmp_path, columns):
+    (tmp_path / "study.toml").write_text(STUDY.replace("POLICIES", POLICIES))
+    gust("run", "study.toml")
+
+    lines = printed_at(tmp_path, columns).splitlines()
+
+    assert max(map(len, lines)) <= (columns or 100)
+    tables = sum(line.startswith("sweep") for line in lines)
+    assert tables == 2 if columns == 400 else tables > 2  # there are two starts
+    assert all(sum(f"weight {r} on effort" in line for line in lines) == 2 for r in range(1, 9))
