@@ -1,5 +1,6 @@
 #include "gust/cli/training_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -10,6 +11,7 @@
 #include "gust/study/agent_options.h"
 #include "gust/study/checkpoint.h"
 #include "gust/study/files.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -64,6 +66,12 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
   training_ = agent_->start({setup_.plant.object.get(), setup_.readings, {}, seed_, randomised_.draws});
   resume();
+}
+
+std::vector<std::string> TrainingRun::warnings() const {
+  std::vector<std::string> warnings = plant_warnings(setup_);
+  std::ranges::move(draw_warnings(setup_, randomised_), std::back_inserter(warnings));
+  return warnings;
 }
 
 TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::function<void(double)>& tell) {

@@ -35,6 +35,8 @@ class TrainingRun {
   /// Trains to the end or until a stop is asked for; tells the share that is done now and then.
   End go(const std::stop_token& stop, const std::function<void(double)>& tell);
 
+  /// What the user should know of the plant that was asked for, one sentence each.
+  std::vector<std::string> warnings() const;
   std::int64_t steps() const { return training_->steps(); }
   std::int64_t total_steps() const { return training_->total_steps(); }
   const std::string& failure() const { return training_->failure(); }

@@ -240,8 +240,8 @@ class PageWriter {
       const Page::Verdict shown = ruling == Ruling::holds   ? Page::Verdict::kHolds
                                   : ruling == Ruling::fails ? Page::Verdict::kFails
                                                             : Page::Verdict::kUndecided;
-      page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds,
-                              interval_text(verdict.measured), shown, verdict.claim->required});
+      page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds, measured_text(verdict),
+                              shown, verdict.claim->required});
     }
   }
 

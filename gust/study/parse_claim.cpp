@@ -29,6 +29,7 @@ std::vector<double> claim_point(const Table& where, const Sweep& sweep) {
     if (nearest == axis.values.end() && !sweep.automatic) {
       throw error_at(value->place, "sweep '", sweep.name, "' has no ", key, " ", wanted, "; ", offer(axis, wanted));
     }
+    if (sweep.automatic && wanted < 0) throw error_at(value->place, "automatic levels begin at 0, got ", wanted);
     at.push_back(nearest == axis.values.end() ? wanted : *nearest);
   }
   return at;

@@ -100,6 +100,15 @@ TEST_CASE("a claim about a level that its sweep lacks is told which ones there a
   }
 }
 
+TEST_CASE("a claim about a sweep with automatic levels may name any from 0 on") {
+  std::string text = changed("policy = \"nothing\"", "policy = \"lqr\", sweep = \"push\", level = 4");
+  text.replace(text.find("[0, 5, 30]"), 10, "\"auto\"");
+  CHECK(small_study({}, text).claims[0].at == std::vector<double>{4});
+
+  text.replace(text.find("level = 4"), 9, "level = -4");
+  CHECK(error_of(text).ends_with("automatic levels begin at 0, got -4"));
+}
+
 TEST_CASE("a study of more cells than anyone waits for is refused before memory is spent on it") {
   std::string text(kSmallStudy);
   for (int i = 0; i < 6; ++i) {

@@ -68,6 +68,15 @@ RunOutcome run_plan(const Study& study, const Store& store, const RunOptions& op
   return outcome;
 }
 
+/// Adds the levels that claims are about.
+void add_claimed(const Study& study, const Sweep& sweep, std::vector<double>& levels) {
+  for (const StudyClaim& claim : study.claims) {
+    if (claim.sweep == sweep.name) levels.push_back(claim.at.front());
+  }
+  std::ranges::sort(levels);
+  levels.erase(std::ranges::unique(levels).begin(), levels.end());
+}
+
 }  // namespace
 
 std::size_t RunOutcome::failed() const {
@@ -91,7 +100,9 @@ FoundLevels found_levels(const Study& study, const Plan& plan, const Store& stor
   }
   FoundLevels found;
   for (const auto& [sweep, levels] : failures) {
-    if (complete[sweep]) found[sweep] = common_levels(levels, search_limit(study.sweeps[sweep].injection->site));
+    if (!complete[sweep]) continue;
+    found[sweep] = common_levels(levels, search_limit(study.sweeps[sweep].injection->site));
+    add_claimed(study, study.sweeps[sweep], found[sweep]);
   }
   return found;
 }

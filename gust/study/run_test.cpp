@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "gust/study/export.h"
@@ -118,6 +119,32 @@ TEST_CASE("automatic levels are found and used in one run") {
 
   CHECK(outcome.plan.complete);
   CHECK(study.sweeps[0].axes[0].values.size() == 11);
+}
+
+TEST_CASE("automatic levels hold those that claims are about") {
+  const ScratchFolder folder("gust-run-claimed");
+  const std::string claim = "policy = \"lqr\", sweep = \"push\", level = 3.25";
+  Study study = small_study({"sweep.push.levels=auto"}, changed("policy = \"nothing\"", claim));
+  const Store store(folder.path / "store", Store::Access::write);
+
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+  const Summary summary = summarise(study, outcome.plan, store, 1);
+
+  const std::vector<double>& levels = study.sweeps[0].axes[0].values;
+  CHECK(levels.size() == 12);
+  CHECK(std::ranges::is_sorted(levels));
+  REQUIRE(summary.claims.size() == 1);
+  CHECK(summary.claims[0].measured.estimate == 1.0);
+}
+
+TEST_CASE("a claim whose trial is missing is told, and not decided") {
+  const ScratchFolder folder("gust-run-unmeasured");
+  Study study = small_study();
+  const Store store(folder.path / "store", Store::Access::write);
+
+  const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
+
+  CHECK(claims_table(summary) == "not testable  falls  survival <= 0.8  not measured\n");
 }
 
 TEST_CASE("kept episodes and curves are read back as they were written") {

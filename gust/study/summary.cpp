@@ -246,6 +246,10 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
     std::ranges::move(parts[i].missing, std::back_inserter(summary.missing));
   }
   judge_formulas(study, plan, store, summary.claims);
+  for (const StudyClaim& claim : study.claims) {
+    if (std::ranges::find(summary.claims, &claim, &ClaimVerdict::claim) == summary.claims.end())
+      summary.claims.push_back({&claim, {}, {Ruling::not_testable, "not measured"}});
+  }
   std::ranges::sort(summary.claims, {}, [&](const ClaimVerdict& verdict) { return verdict.claim; });
   return summary;
 }

@@ -41,7 +41,7 @@ struct ClaimVerdict {
 /// the number of episodes or seeds.
 struct Summary {
   std::vector<Series> series;
-  std::vector<ClaimVerdict> claims;
+  std::vector<ClaimVerdict> claims;  ///< all of them; not testable where a trial is missing
   std::size_t margin_metric = 0;
   std::vector<std::string> missing;  ///< trials that are not in the store
 
@@ -62,6 +62,9 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
 /// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal. What is
 /// wider than `columns` is told in blocks of policies, one below the other.
 std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns);
+
+/// What a claim was decided from: "0.5 [0.25, 0.75] (4 episodes)", or why there is nothing.
+std::string measured_text(const ClaimVerdict& verdict);
 
 /// The verdicts of the claims, one line each.
 std::string claims_table(const Summary& summary);

@@ -10,6 +10,12 @@ namespace gust {
 /// The values of a parameter with which the plant can be held at its goal, given how far the readings let a command go.
 Limits possible_values(const Setup& setup, std::size_t parameter);
 
+/// One sentence for each parameter of the plant with which it cannot be held.
+std::vector<std::string> plant_warnings(const Setup& setup);
+
+/// One sentence for each parameter whose draws reach values with which the plant cannot be held.
+std::vector<std::string> draw_warnings(const Setup& setup, const Randomisation& randomised);
+
 /// What a study may well ask for, but its author should know: one sentence each.
 std::vector<std::string> study_warnings(const Study& study);
 

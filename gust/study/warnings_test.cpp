@@ -8,20 +8,46 @@ using namespace gust;
 
 namespace {
 
-Study quadrotor_study(const std::string& clip) {
+constexpr std::string_view kMass =
+    "[[sweep]]\nname = \"mass\"\nvary = \"mass\"\nscale = [0.5, 0.8, 0.95, 1, 1.05, 1.2]\n";
+
+/// What is said of a quadrotor of this mass whose commands are clipped like this.
+std::vector<std::string> warnings_of(const std::string& clip, std::string_view tables, double mass = 0.027) {
   const std::string text =
-      "schema = 1\nname = \"q\"\nplant = { kind = \"quadrotor\" }\nreadings = { command_clip = \"" + clip +
-      "\" }\n[[policy]]\nname = \"lqr\"\nkind = \"lqr\"\n"
-      "[[sweep]]\nname = \"mass\"\nvary = \"mass\"\nscale = [0.5, 0.8, 0.95, 1, 1.05, 1.2]\n";
-  return parse_study(text, "q.toml", {},
-                     [](const std::string&, const Place&) { return std::vector<StudyPolicy::File>{}; });
+      cat("schema = 1\nname = \"q\"\nplant = { kind = \"quadrotor\", mass = ", mass,
+          " }\nreadings = { command_clip = \"", clip, "\" }\n[[policy]]\nname = \"zero\"\nkind = \"zero\"\n", tables);
+  return study_warnings(parse_study(text, "q.toml", {},
+                                    [](const std::string&, const Place&) { return std::vector<StudyPolicy::File>{}; }));
 }
+
+std::string trained_over(const std::string& mass) {
+  return cat("[[policy]]\nname = \"dr\"\nkind = \"train\"\nagent = { kind = \"ppo\", randomise = { mass = ", mass,
+             " } }\n");
+}
+
+using Warnings = std::vector<std::string>;
 
 }  // namespace
 
 TEST_CASE("masses that cannot hover are told with the numbers, by the reach of the command") {
-  CHECK(study_warnings(quadrotor_study("box")) ==
-        std::vector<std::string>{"sweep 'mass': 3 of 6 values of mass lie where no policy can hold the plant: its "
-                                 "actions reach 0.0243 to 0.0297 kg"});
-  CHECK(study_warnings(quadrotor_study("none")).empty());
+  CHECK(warnings_of("box", kMass) ==
+        Warnings{"sweep 'mass': 3 of 6 values of mass lie where no policy can hold the plant: its actions reach 0.0243 "
+                 "to 0.0297 kg"});
+  CHECK(warnings_of("none", kMass).empty());
+}
+
+TEST_CASE("a plant that cannot hover is told") {
+  CHECK(
+      warnings_of("box", "", 0.03) ==
+      Warnings{"plant: mass = 0.03 kg lies where no policy can hold the plant: its actions reach 0.0243 to 0.0297 kg"});
+  CHECK(warnings_of("none", "", 0.03).empty());
+}
+
+TEST_CASE("draws that reach masses that cannot hover are told, for each policy that trains with them") {
+  CHECK(warnings_of("box", trained_over("{ low = 0.025, high = 0.03 }")) ==
+        Warnings{"policy 'dr': randomise: some of mass, drawn from 0.025 to 0.03 kg, lie where no policy can hold the "
+                 "plant: its actions reach 0.0243 to 0.0297 kg"});
+  CHECK(warnings_of("box", trained_over("{ kind = \"choice\", values = [0.02, 0.025] }")).size() == 1);
+  CHECK(warnings_of("box", trained_over("{ low = 0.025, high = 0.029 }")).empty());
+  CHECK(warnings_of("none", trained_over("{ low = 0.025, high = 0.03 }")).empty());
 }

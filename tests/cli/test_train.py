@@ -29,6 +29,13 @@ def test_trained_policy_knows_what_it_was_made_for(gust):
     gust("eval", "ppo.onnx", "--plant", "cartpole", "--preset", "scg-2022", "--set", "normalized_action=false", code=2)
 
 
+def test_draws_that_cannot_hover_are_told(gust):
+    quadrotor = ["train", "ppo", "--plant", "quadrotor", "--steps", "1000", "--out", "ppo.onnx"]
+    assert "warning" not in gust(*quadrotor).stderr
+    assert "gust: warning: randomise: some of mass, drawn from 0.022 to 0.032 kg" in gust(
+        *quadrotor, "--set", "randomise=mid").stderr
+
+
 def test_equal_commands_give_equal_bytes_and_other_seeds_or_options_do_not(gust, tmp_path):
     variants = {"a": [], "b": [], "seed": ["--seed", "2"], "rate": ["--set", "actor_rate=1e-3"],
                 "reading": ["--set", "effort=applied"], "plant": ["--set", "pole_length=0.4"],

@@ -20,6 +20,7 @@ constexpr const char* kAbout =
 int train(const TrainRequest& request) {
   SignalWatch signals;
   TrainingRun run(request);
+  for (const std::string& warning : run.warnings()) fmt::print(stderr, "gust: warning: {}\n", warning);
   TrainingRun::End end{};
   const Job job{.name = request.agent, .run = {}};
   Progress progress({&job, 1});
