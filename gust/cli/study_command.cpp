@@ -51,6 +51,15 @@ Json margin_json(const Study& study, const Summary& summary, const Series& serie
           {"n", series.margin.level.n}};
 }
 
+/// The command that a page names: the run that left the folder.
+std::string run_command(const StudyFolder& folder, const Study& study) {
+  const RunInputs inputs = folder.inputs();
+  std::string command = cat("gust run ", shell_word(inputs.study));
+  for (const std::string& setting : inputs.settings) command += cat(" --set ", shell_word(setting));
+  const std::string path = folder.path().string();
+  return path == standard_folder(study) ? command : cat(command, " --out ", shell_word(path));
+}
+
 }  // namespace
 
 void tell(const std::string& text) { fmt::print(stderr, "gust: {}\n", text); }
@@ -67,18 +76,17 @@ std::size_t thread_count(std::size_t asked) {
   if (asked > 0) return asked;
   if (const char* variable = std::getenv("GUST_THREADS"); variable != nullptr && *variable != '\0') {
     const Value value = value_from_text(variable, {"GUST_THREADS"});
-    const std::int64_t threads = value.as_int("GUST_THREADS");
+    const std::int64_t threads = value.as_int("threads");
     if (threads < 1 || threads > 1024) throw error_at(value.place, "must be 1 to 1024, got ", threads);
     return static_cast<std::size_t>(threads);
   }
   return std::max(1u, std::thread::hardware_concurrency());
 }
 
-std::string write_report(const StudyFolder& folder, const std::string& study_file, const Study& study, const Plan& plan,
-                         const Store& store, const Summary& summary, const std::vector<std::string>& warnings) {
+std::string write_report(const StudyFolder& folder, const Study& study, const Plan& plan, const Store& store,
+                         const Summary& summary, const std::vector<std::string>& warnings) {
   PageContext context;
-  context.run_command = cat("gust run ", shell_word(study_file));
-  for (const std::string& setting : folder.settings()) context.run_command += cat(" --set ", shell_word(setting));
+  context.run_command = run_command(folder, study);
   context.folder = folder.path().string();
   context.export_command =
       cat("gust export ", shell_word(folder.path().string()), " --csv ", shell_word(study.name + ".csv"));
@@ -103,6 +111,7 @@ std::string summary_text(const Study& study, const Summary& summary) {
     text += cat("Robustness margins, ", study.starts[start].name, " start: level where ", metric,
                 " falls to 90 % of nominal\n\n", table, "\n");
   }
+  if (text.empty()) text = "No margins: nothing grows level by level. The page shows what was measured.\n\n";
   if (!summary.claims.empty()) text += cat("Claims\n\n", claims_table(summary), "\n");
   return text;
 }

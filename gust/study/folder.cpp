@@ -22,7 +22,7 @@ struct KeptFile {
 };
 
 struct KeptInputs {
-  std::vector<std::string> settings;
+  RunInputs run;
   std::vector<std::vector<KeptFile>> patterns;  ///< in the order in which the parser asks
 };
 
@@ -31,7 +31,7 @@ KeptInputs read_inputs(const fs::path& folder) {
   const std::string bytes = read_file(path);
   try {
     const Json json = Json::parse(bytes);
-    KeptInputs inputs{json.at("settings").get<std::vector<std::string>>(), {}};
+    KeptInputs inputs{{json.value("study", kStudyFile), json.at("settings")}, {}};
     for (const Json& found : json.at("files")) {
       std::vector<KeptFile>& files = inputs.patterns.emplace_back();
       for (const Json& file : found) files.push_back({file.at("path"), file.at("hash")});
@@ -64,6 +64,8 @@ bool is_ours(const fs::path& folder) {
 
 }  // namespace
 
+std::string standard_folder(const Study& study) { return study.name + ".gust"; }
+
 fs::path StudyFolder::store() const {
   const char* cache = std::getenv("GUST_CACHE");
   return cache != nullptr && *cache != '\0' ? fs::path(cache) : path_ / "store";
@@ -85,7 +87,7 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
   return parse_study(read_file(file), file.string(), settings, find);
 }
 
-void StudyFolder::keep(const Study& study, const std::vector<std::string>& settings) const {
+void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
   const fs::path text = path_ / kStudyFile;
   if (fs::exists(path_) && !fs::is_directory(path_))
     throw Error(cat(path_.string(), ": is not a folder; choose another --out"));
@@ -100,7 +102,9 @@ void StudyFolder::keep(const Study& study, const std::vector<std::string>& setti
     }
     patterns.push_back(found);
   }
-  write_file_atomically(path_ / kInputsFile, Json{{"settings", settings}, {"files", patterns}}.dump(2) + "\n");
+  write_file_atomically(
+      path_ / kInputsFile,
+      Json{{"study", inputs.study}, {"settings", inputs.settings}, {"files", patterns}}.dump(2) + "\n");
   write_file_atomically(text, study.text);
 }
 
@@ -116,9 +120,9 @@ Study StudyFolder::open() const {
     for (const KeptFile& file : inputs.patterns[asked++]) files.push_back({file.path, read_kept(path_, file)});
     return files;
   };
-  return parse_study(read_file(text), text.string(), inputs.settings, find);
+  return parse_study(read_file(text), text.string(), inputs.run.settings, find);
 }
 
-std::vector<std::string> StudyFolder::settings() const { return read_inputs(path_).settings; }
+RunInputs StudyFolder::inputs() const { return read_inputs(path_).run; }
 
 }  // namespace gust

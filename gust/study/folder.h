@@ -7,10 +7,19 @@
 
 namespace gust {
 
+/// Where a run leaves its results unless it is told: ./NAME.gust
+std::string standard_folder(const Study& study);
+
+/// What `gust run` was given.
+struct RunInputs {
+  std::string study;  ///< path of the file
+  std::vector<std::string> settings;
+};
+
 /// The folder that a run leaves: the study as it was run, copies of the policy files that it used, and the store.
 ///
 ///   study.toml      the study's text, byte for byte
-///   inputs.json     the settings, and which file each pattern found
+///   inputs.json     where the study lay, the settings, and which file each pattern found
 ///   inputs/         those files, named by their hashes
 ///   store/          the trials (elsewhere if GUST_CACHE names a folder)
 ///   report.html     the page
@@ -24,12 +33,12 @@ class StudyFolder {
 
   /// Reads the study of a file for a run, with patterns relative to the file.
   static Study read(const std::filesystem::path& file, const std::vector<std::string>& settings);
-  /// Writes what open() needs. Throws Error if the folder belongs to another study or cannot be written.
-  void keep(const Study& study, const std::vector<std::string>& settings) const;
+  /// Writes what open() needs. Throws Error if the folder is no result of gust or cannot be written.
+  void keep(const Study& study, const RunInputs& inputs) const;
   /// Reads the study back, without the files it was made from.
   Study open() const;
-  /// The settings of the run.
-  std::vector<std::string> settings() const;
+  /// What the run was given.
+  RunInputs inputs() const;
 
  private:
   std::filesystem::path path_;

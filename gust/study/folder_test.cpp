@@ -22,7 +22,7 @@ struct Scene {
     write_file_atomically(scratch.path / "policies/a.onnx", policy);
     write_file_atomically(scratch.path / "policies/b.onnx", policy);
     write_file_atomically(study, changed("kind = \"zero\"", "kind = \"onnx\"\nfile = \"policies/*.onnx\""));
-    kept.keep(StudyFolder::read(study, {"evaluate.episodes=2"}), {"evaluate.episodes=2"});
+    kept.keep(StudyFolder::read(study, {"evaluate.episodes=2"}), {"study.toml", {"evaluate.episodes=2"}});
   }
 };
 
@@ -36,7 +36,8 @@ TEST_CASE("a kept study is read back without the files that it was made from") {
   const Study study = scene.kept.open();
 
   CHECK(study.episodes == 2);
-  CHECK(scene.kept.settings() == std::vector<std::string>{"evaluate.episodes=2"});
+  CHECK(scene.kept.inputs().study == "study.toml");
+  CHECK(scene.kept.inputs().settings == std::vector<std::string>{"evaluate.episodes=2"});
   REQUIRE(study.policies[1].count() == 2);
   CHECK(study.policies[1].files[0].path == "policies/a.onnx");
   CHECK(study.policies[1].files[1].path == "policies/b.onnx");

@@ -173,13 +173,13 @@ TEST_CASE("kept episodes and curves are read back as they were written") {
 TEST_CASE("a study's folder gives the study back without the file it came from") {
   const ScratchFolder folder("gust-run-folder");
   const StudyFolder kept(folder.path);
-  kept.keep(small_study({"evaluate.episodes=4"}), {"evaluate.episodes=4"});
+  kept.keep(small_study({"evaluate.episodes=4"}), {"small.toml", {"evaluate.episodes=4"}});
 
   const Study study = kept.open();
 
   CHECK(study.text == kSmallStudy);
   CHECK(study.episodes == 4);
-  CHECK(kept.settings() == std::vector<std::string>{"evaluate.episodes=4"});
+  CHECK(kept.inputs().settings == std::vector<std::string>{"evaluate.episodes=4"});
   CHECK_THROWS_AS(StudyFolder(folder.path / "nowhere").open(), Error);
 }
 

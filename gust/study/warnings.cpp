@@ -30,6 +30,13 @@ void warn_of_axis(const Study& study, const Sweep& sweep, const Sweep::Axis& axi
   warnings.push_back(out_of_reach(study.setup, axis.index, what));
 }
 
+bool starts_failed(const StartProtocol& start, const PlantSpec& spec) {
+  for (std::size_t i = 0; i < start.state.size(); ++i) {
+    if (start.state[i] < spec.fail_low[i] || start.state[i] > spec.fail_high[i]) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Limits possible_values(const Setup& setup, std::size_t parameter) {
@@ -66,6 +73,10 @@ std::vector<std::string> draw_warnings(const Setup& setup, const Randomisation& 
 
 std::vector<std::string> study_warnings(const Study& study) {
   std::vector<std::string> warnings = plant_warnings(study.setup);
+  for (const StartProtocol& start : study.starts) {
+    if (starts_failed(start, study.setup.plant->spec()))
+      warnings.push_back(cat("start '", start.name, "' lies beyond the bounds at which an episode fails"));
+  }
   for (const StudyPolicy& policy : study.policies) {
     for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));
@@ -74,6 +85,10 @@ std::vector<std::string> study_warnings(const Study& study) {
     for (const Sweep::Axis& axis : sweep.axes) {
       if (!axis.parameter.empty()) warn_of_axis(study, sweep, axis, warnings);
     }
+    const std::vector<double>& levels = sweep.axes.front().values;
+    if (sweep.injection && levels.size() > 1 && levels.front() != 0)
+      warnings.push_back(cat("sweep '", sweep.name, "' begins at level ", levels.front(),
+                             ": its margins are falls from the score there, not from the undisturbed one"));
   }
   return warnings;
 }

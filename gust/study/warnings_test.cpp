@@ -2,9 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include "gust/study/parse.h"
+#include "gust/study/study_fixture.h"
 
 using namespace gust;
+using namespace gust::test;
 
 namespace {
 
@@ -50,4 +51,13 @@ TEST_CASE("draws that reach masses that cannot hover are told, for each policy t
   CHECK(warnings_of("box", trained_over("{ kind = \"choice\", values = [0.02, 0.025] }")).size() == 1);
   CHECK(warnings_of("box", trained_over("{ low = 0.025, high = 0.029 }")).empty());
   CHECK(warnings_of("none", trained_over("{ low = 0.025, high = 0.03 }")).empty());
+}
+
+TEST_CASE("a sweep that does not begin undisturbed and a start that has failed already are told") {
+  CHECK(study_warnings(small_study()).empty());
+  CHECK(study_warnings(small_study({"sweep.push.levels=[5, 30]", "sweep.noise.levels=[1]"})) ==
+        Warnings{"sweep 'push' begins at level 5: its margins are falls from the score there, not from the undisturbed "
+                 "one"});
+  CHECK(study_warnings(small_study({"evaluate.start={ x = 3.0 }"})) ==
+        Warnings{"start 'x=3' lies beyond the bounds at which an episode fails"});
 }

@@ -69,8 +69,8 @@ def folder(gust, tmp_path, request):
     return tmp_path
 
 
-def page_of(folder):
-    text = (folder / "cells of a study.gust/report.html").read_text()
+def page_of(folder, name="cells of a study.gust"):
+    text = (folder / name / "report.html").read_text()
     return json.loads(re.search(r'id="gust-data">(.*?)</script>', text, re.S)[1])
 
 
@@ -114,6 +114,17 @@ def test_commands_of_the_page_give_the_numbers_of_the_study(gust, folder):
                    if (policy, site, vary, start) == (words[2], *places[said["--sweep"]], said["--start"])
                    and "*".join(str(float(part)) for part in at.split("*")) == level)
         assert measured(rows_of(gust, command)) == cell, command
+
+
+def test_command_of_the_run_is_all_that_was_asked_for(gust, folder):
+    assert page_of(folder)["runCommand"] == "gust run study.toml --set seed=11"
+    gust("run", "study.toml", "--set", "policy.ppo.seeds=[1]", "--out", "else where", "--threads", "2")
+    assert page_of(folder, "else where")["runCommand"] == (
+        "gust run study.toml --set 'policy.ppo.seeds=[1]' --out 'else where'")
+
+    gust("report", "else where")
+
+    assert page_of(folder, "else where")["runCommand"].endswith("--out 'else where'")
 
 
 def test_without_a_sweep_nothing_is_disturbed_but_by_what_is_always_on(gust, folder):

@@ -81,6 +81,7 @@ MISTAKES = [
     (["run", DEMO, "--out", "/proc/x"], "/proc/x: cannot make the folder"),
     (["report", "."], ".: holds no study; give the folder that 'gust run' left"),
     (["export", "."], "where to? give --csv FILE, --sqlite FILE, or both"),
+    (["export", ".", "--csv", "a", "--sqlite", "a"], "--csv and --sqlite: name two files"),
     (["validate", "recording.csv"], "is recording.json meant?"),
     (TRAIN, "--out is required"),
     ([*TRAIN, "--out", "ppo.txt"], "must end in .onnx"),

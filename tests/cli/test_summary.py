@@ -52,6 +52,13 @@ def read(terminal):
         return b""
 
 
+def test_a_study_without_levels_says_so(gust, tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY.replace("POLICIES", POLICIES).partition("[[sweep]]")[0])
+
+    assert gust("run", "study.toml").stdout == (
+        "No margins: nothing grows level by level. The page shows what was measured.\n\nPage: summary.gust/report.html\n")
+
+
 @pytest.mark.parametrize("columns", [80, 120, None, 400])
 def test_margins_of_many_policies_fit_in_blocks(gust, tmp_path, columns):
     (tmp_path / "study.toml").write_text(STUDY.replace("POLICIES", POLICIES))

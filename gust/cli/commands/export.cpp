@@ -21,6 +21,7 @@ void command_export(CLI::App& app, int&) {
   command->callback([options] {
     if (options->csv.empty() && options->sqlite.empty())
       throw Error("where to? give --csv FILE, --sqlite FILE, or both (gust export --help)");
+    if (options->csv == options->sqlite) throw Error("--csv and --sqlite: name two files");
     const OpenStudy open = open_study(options->folder);
     if (!options->csv.empty()) export_csv(open.study, open.plan, *open.store, options->csv);
     if (!options->sqlite.empty()) export_sqlite(open.study, open.plan, *open.store, options->sqlite);

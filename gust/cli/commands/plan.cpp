@@ -51,7 +51,7 @@ void command_plan(CLI::App& app, int&) {
   command->callback([options] {
     Study study = StudyFolder::read(options->study, options->settings);
     for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
-    const StudyFolder folder(options->out.empty() ? study.name + ".gust" : options->out);
+    const StudyFolder folder(options->out.empty() ? standard_folder(study) : options->out);
     if (!Store::is_at(folder.store())) return print_plan(expand(study, {}), nullptr, options->json);
     const Store store(folder.store(), Store::Access::read, tell);
     print_plan(plan_with_store(study, store), &store, options->json);

@@ -41,10 +41,10 @@ bool required_claims_hold(const Study& study, const Summary& summary) {
 
 int run(const Options& options) {
   Study study = StudyFolder::read(options.study, options.settings);
-  const StudyFolder folder(options.out.empty() ? study.name + ".gust" : options.out);
+  const StudyFolder folder(options.out.empty() ? standard_folder(study) : options.out);
   for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
   const std::size_t threads = thread_count(options.threads);
-  folder.keep(study, options.settings);
+  folder.keep(study, {options.study, options.settings});
   const Store store(folder.store(), Store::Access::write, tell);
 
   SignalWatch signals;
@@ -60,7 +60,7 @@ int run(const Options& options) {
   const Summary summary = summarise(study, outcome.plan, store, threads);
   std::string report;
   try {
-    report = write_report(folder, options.study, study, outcome.plan, store, summary, warnings);
+    report = write_report(folder, study, outcome.plan, store, summary, warnings);
   } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
     tell(error.what());
   }
