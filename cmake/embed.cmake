@@ -83,6 +83,14 @@ function(gust_embed_presets target)
   gust_embed(${target} HEADER gust/study/preset_files.h FUNCTION preset_file FILES ${files})
 endfunction()
 
+# gust_embed_paper(TARGET): what studies/paper holds, as gust::paper_file("paper.toml").
+function(gust_embed_paper target)
+  set(folder ${PROJECT_SOURCE_DIR}/studies/paper)
+  file(GLOB names CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*.toml ${folder}/*.csv)
+  list(TRANSFORM names REPLACE "(.+)" "\\1=${folder}/\\1" OUTPUT_VARIABLE files)
+  gust_embed(${target} HEADER gust/study/paper_files.h FUNCTION paper_file FILES ${files})
+endfunction()
+
 # Runs npm when the lock file is newer than what is installed.
 function(gust_install_node_modules folder)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folder}/package-lock.json)

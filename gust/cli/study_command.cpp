@@ -83,8 +83,8 @@ std::size_t thread_count(std::size_t asked) {
   return std::max(1u, std::thread::hardware_concurrency());
 }
 
-std::string write_report(const StudyFolder& folder, const Study& study, const Plan& plan, const Store& store,
-                         const Summary& summary, const std::vector<std::string>& warnings) {
+std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
+                         const std::vector<std::string>& warnings) {
   PageContext context;
   context.run_command = run_command(folder, study);
   context.folder = folder.path().string();
@@ -97,7 +97,7 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Pl
                         {"root seed", cat(study.seed)},
                         {"machine", machine()},
                         {"made", now_text()}};
-  write_file_atomically(folder.report(), render_page(study_page(study, plan, store, summary, context)));
+  write_file_atomically(folder.report(), render_page(study_page(study, summary, context)));
   return folder.report().string();
 }
 

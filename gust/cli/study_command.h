@@ -21,8 +21,8 @@ OpenStudy open_study(const std::string& path);
 void tell(const std::string& text);
 
 /// Writes DIR/report.html and returns its path.
-std::string write_report(const StudyFolder& folder, const Study& study, const Plan& plan, const Store& store,
-                         const Summary& summary, const std::vector<std::string>& warnings);
+std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
+                         const std::vector<std::string>& warnings);
 
 /// Threads to use: --threads, else GUST_THREADS, else all cores.
 std::size_t thread_count(std::size_t asked);

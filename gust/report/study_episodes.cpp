@@ -8,8 +8,6 @@
 namespace gust {
 namespace {
 
-constexpr std::size_t kMostEpisodes = 60;  // about 3 MB of the page
-
 std::vector<double> values_of(const Matrix<double>& matrix, std::size_t row) {
   return {matrix.row(row).begin(), matrix.row(row).end()};
 }
@@ -130,27 +128,18 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
 
 }  // namespace
 
-std::vector<Page::Episode> kept_episodes(const Study& study, const Plan& plan, const Store& store,
+std::vector<Page::Episode> kept_episodes(const Study& study, const std::vector<KeptTraces>& kept,
                                          const std::vector<std::size_t>& sweep_at) {
-  std::vector<const Trial*> trials;
-  for (const Trial& trial : plan.trials) {
-    if (trial.kind == Trial::Kind::kEvaluate && trial.member == 0) trials.push_back(&trial);
-  }
   std::vector<Page::Episode> episodes;
-  const std::size_t each = std::max<std::size_t>(1, trials.empty() ? 1 : kMostEpisodes / trials.size());
-  const std::size_t stride = std::max<std::size_t>(1, (trials.size() + kMostEpisodes - 1) / kMostEpisodes);
-  for (std::size_t t = 0; t < trials.size(); t += stride) {
-    const Trial& trial = *trials[t];
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
-    if (!stored) continue;
-    const std::vector<Trace> traces = read_traces(stored->read(kTracesFile), trial.id);
+  for (const auto& [policy, member, sweep, traces] : kept) {
+    const Trial trial{.policy = policy, .member = member, .sweep = sweep};
     const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
-    for (std::size_t i = 0; i < std::min(each, traces.size()); ++i) {
-      Page::Episode episode = page_episode(study, trial, traces[i], *task);
-      if (trial.sweep != Trial::kNominal) {
-        const Sweep& sweep = study.sweeps[trial.sweep];
-        episode.sweep = sweep_at[trial.sweep];
-        if (sweep.axes.size() == 1) episode.level = sweep.axes.front().values[traces[i].index.cell];
+    for (const Trace& trace : traces) {
+      Page::Episode episode = page_episode(study, trial, trace, *task);
+      if (sweep != Trial::kNominal) {
+        episode.sweep = sweep_at[sweep];
+        const std::vector<Sweep::Axis>& axes = study.sweeps[sweep].axes;
+        if (axes.size() == 1) episode.level = axes.front().values[trace.index.cell];
       }
       episodes.push_back(std::move(episode));
     }

@@ -5,7 +5,6 @@
 
 #include "gust/core/text.h"
 #include "gust/report/study_episodes.h"
-#include "gust/study/trials.h"
 #include "gust/study/warnings.h"
 
 namespace gust {
@@ -80,8 +79,8 @@ Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
 /// `sweep_at` says where each one stands.
 class PageWriter {
  public:
-  PageWriter(const Study& study, const Plan& plan, const Store& store, const Summary& summary)
-      : study_(study), plan_(plan), store_(store), summary_(summary), sweep_at_(study.sweeps.size(), Page::kNone) {}
+  PageWriter(const Study& study, const Summary& summary)
+      : study_(study), summary_(summary), sweep_at_(study.sweeps.size(), Page::kNone) {}
 
   Page write(const PageContext& context) {
     folder_ = context.folder;
@@ -94,7 +93,7 @@ class PageWriter {
     worst_cells();
     claims();
     learning();
-    page_.episodes = kept_episodes(study_, plan_, store_, sweep_at_);
+    page_.episodes = kept_episodes(study_, summary_.kept, sweep_at_);
     for (Page::Episode& episode : page_.episodes) {
       if (episode.sweep == Page::kNone) continue;
       const std::string where = cell_text(page_.sweeps[episode.sweep].name, cat(episode.level));
@@ -251,8 +250,8 @@ class PageWriter {
       Page::Learning learning;
       learning.policy = p;
       std::vector<double> own_steps;
-      for (const Trial& trial : plan_.trials) {
-        if (trial.kind == Trial::Kind::kTrain && trial.policy == p) own_steps = add_run(trial, learning);
+      for (const SeedCurve& curve : summary_.curves) {
+        if (curve.policy == p) own_steps = add_run(curve, learning);
       }
       if (learning.runs.empty()) continue;
       add_mean(learning);
@@ -276,13 +275,11 @@ class PageWriter {
   }
 
   /// Returns the steps that the policy itself had learned from at each point.
-  std::vector<double> add_run(const Trial& trial, Page::Learning& learning) {
-    const std::optional<StoredTrial> stored = store_.load(kind_name(trial.kind), trial.id);
-    if (!stored) return {};
+  std::vector<double> add_run(const SeedCurve& curve, Page::Learning& learning) {
     std::vector<double> own_steps;
     Page::Learning::Run run;
-    run.seed = cat(study_.policies[trial.policy].seeds[trial.member]);
-    for (const CurvePoint& point : read_curve(stored->read(kCurveFile), trial.id)) {
+    run.seed = study_.policies[curve.policy].member(curve.member);
+    for (const CurvePoint& point : curve.points) {
       run.steps.push_back(static_cast<double>(point.steps));
       run.score.push_back(point.anr_h);
       own_steps.push_back(static_cast<double>(point.protagonist_steps));
@@ -309,8 +306,6 @@ class PageWriter {
   }
 
   const Study& study_;
-  const Plan& plan_;
-  const Store& store_;
   const Summary& summary_;
   std::vector<std::size_t> sweep_at_;
   std::vector<std::size_t> metrics_;
@@ -320,9 +315,8 @@ class PageWriter {
 
 }  // namespace
 
-Page study_page(const Study& study, const Plan& plan, const Store& store, const Summary& summary,
-                const PageContext& context) {
-  return PageWriter(study, plan, store, summary).write(context);
+Page study_page(const Study& study, const Summary& summary, const PageContext& context) {
+  return PageWriter(study, summary).write(context);
 }
 
 }  // namespace gust

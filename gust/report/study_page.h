@@ -14,8 +14,7 @@ struct PageContext {
   std::vector<std::string> warnings;  ///< trials that failed, with reasons
 };
 
-/// The page of a study from its summary and what the store keeps: learning curves and whole episodes.
-Page study_page(const Study& study, const Plan& plan, const Store& store, const Summary& summary,
-                const PageContext& context);
+/// The page of a study from its summary.
+Page study_page(const Study& study, const Summary& summary, const PageContext& context);
 
 }  // namespace gust

@@ -19,7 +19,7 @@ Page page_of(Study study) {
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
   const Summary summary = summarise(study, outcome.plan, store, 1);
-  return study_page(study, outcome.plan, store, summary,
+  return study_page(study, summary,
                     {"gust run small.toml", "small.gust", "gust export small.gust --csv small.csv", {}, {"a warning"}});
 }
 

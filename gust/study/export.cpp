@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 
+#include "gust/core/csv.h"
 #include "gust/study/files.h"
 #include "gust/study/rows.h"
 #include "gust/study/trials.h"
@@ -13,17 +14,6 @@ namespace gust {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted(1, '"');
-  for (const char letter : text) {
-    if (letter == '"') quoted += '"';
-    quoted += letter;
-  }
-  quoted += '"';
-  return quoted;
-}
 
 /// What every row of a trial has in common.
 ExportRow head_of(const Study& study, const Trial& trial) {
@@ -177,9 +167,8 @@ void export_csv(const Study& study, const Plan& plan, const Store& store, const 
   AtomicFile out(file);
   out.append(cat(kExportHead, "\n"));
   for_each_export_row(study, plan, store, [&](const ExportRow& row) {
-    out.append(cat(row.plant, ",", row.preset, ",", csv_cell(row.readings), ",", csv_cell(row.policy), ",",
-                   csv_cell(row.seed), ",", row.site, ",", csv_cell(row.waveform), ",", row.vary, ",", row.level, ",",
-                   csv_cell(row.start), ",", row.episode, ",", row.metric, ",", row.value, "\n"));
+    out.append(csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.site, row.waveform, row.vary,
+                         row.level, row.start, cat(row.episode), row.metric, cat(row.value)}));
   });
   out.commit();
 }

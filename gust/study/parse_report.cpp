@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <charconv>
 
+#include "gust/core/csv.h"
 #include "gust/study/parse.h"
 
 namespace gust {
@@ -29,22 +29,6 @@ TraceRule parse_keep_traces(const Value& keep) {
   return rule;
 }
 
-std::size_t column_of(const std::string& head, const std::string& name, const Place& place) {
-  const std::vector<std::string> names = split_text(head, ',');
-  const auto at = std::ranges::find(names, name);
-  if (at == names.end()) throw error_at(place, "the file has no column '", name, "'", did_you_mean(name, names));
-  return static_cast<std::size_t>(at - names.begin());
-}
-
-double number_in(const std::string& cell, const Place& place, std::size_t line) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
-  if (error != std::errc{} || end != cell.data() + cell.size()) {
-    throw error_at(place, "line ", line, " of the file: '", cell, "' is no number");
-  }
-  return number;
-}
-
 ReferenceCurve parse_reference(const Table& table, const FindFiles& find, const Study& study) {
   check_keys(table, {"policy", "file", "source", "steps", "score"}, "a learning curve");
   ReferenceCurve curve;
@@ -56,15 +40,10 @@ ReferenceCurve parse_reference(const Table& table, const FindFiles& find, const 
   curve.source = checked_name(table, "source", "a learning curve");
   const std::vector<StudyPolicy::File> files = find(required_text(table, "file", "a learning curve"), table.place);
   if (files.size() != 1) throw error_at(table.place, "'file' must name one file, found ", files.size());
-  const std::vector<std::string> lines = split_text(files.front().bytes, '\n');
-  if (lines.empty()) throw error_at(table.place, "the file is empty");
-  const std::size_t steps = column_of(lines[0], required_text(table, "steps", "a learning curve"), table.place);
-  const std::size_t score = column_of(lines[0], required_text(table, "score", "a learning curve"), table.place);
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    const std::vector<std::string> cells = split_text(lines[i], ',');
-    if (cells.size() <= std::max(steps, score)) throw error_at(table.place, "line ", i + 1, " of the file is short");
-    curve.steps.push_back(number_in(cells[steps], table.place, i + 1));
-    curve.score.push_back(number_in(cells[score], table.place, i + 1));
+  const CsvTable csv(files.front().bytes, files.front().path);
+  for (std::size_t i = 0; i < csv.size(); ++i) {
+    curve.steps.push_back(csv.number(i, required_text(table, "steps", "a learning curve")));
+    curve.score.push_back(csv.number(i, required_text(table, "score", "a learning curve")));
   }
   return curve;
 }

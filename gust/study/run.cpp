@@ -8,33 +8,57 @@
 namespace gust {
 namespace {
 
-/// The trials that the store lacks, as jobs that need each other; `trials` says which trial each job is.
-std::vector<Job> missing_jobs(const Study& study, const Plan& plan, const Store& store,
-                              std::vector<std::size_t>& trials) {
-  std::vector<std::size_t> job_of(plan.trials.size(), Trial::kNominal);
-  std::map<std::string, std::size_t> first_of;  // trials of one name are done once: the others wait and find it done
+/// A trial of one of several plans.
+struct PlannedTrial {
+  std::size_t plan = 0;
+  std::size_t trial = 0;
+};
+
+/// The trials that the store lacks, as jobs that need each other.
+class MissingJobs {
+ public:
   std::vector<Job> jobs;
-  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
-    const Trial& trial = plan.trials[i];
-    if (store.load(kind_name(trial.kind), trial.id)) continue;
+  std::vector<PlannedTrial> trials;  ///< which one each job is
+
+  /// Plans and studies must outlive the jobs.
+  MissingJobs(const std::vector<Study*>& studies, const std::vector<RunOutcome>& runs, const Store& store) {
+    std::vector<PlannedTrial> all;
+    for (std::size_t p = 0; p < runs.size(); ++p) {
+      job_of_.emplace_back(runs[p].plan.trials.size(), Trial::kNominal);
+      for (std::size_t t = 0; t < runs[p].plan.trials.size(); ++t) all.push_back({p, t});
+    }
+    const auto seconds_first = [&](const PlannedTrial& at) {  // of trainings, which need nothing
+      const Trial& trial = runs[at.plan].plan.trials[at.trial];
+      return trial.kind == Trial::Kind::kTrain ? trial.seconds : 0.0;
+    };
+    if (runs.size() > 1) std::ranges::stable_sort(all, std::greater{}, seconds_first);
+    for (const PlannedTrial& at : all) add(*studies[at.plan], runs[at.plan].plan, at, store);
+  }
+
+ private:
+  void add(const Study& study, const Plan& plan, const PlannedTrial& at, const Store& store) {
+    const Trial& trial = plan.trials[at.trial];
+    if (store.load(kind_name(trial.kind), trial.id)) return;
     Job job{trial.what, trial.seconds, {}, {}};
     for (const std::size_t input : trial.inputs) {
-      if (job_of[input] != Trial::kNominal) job.needs.push_back(job_of[input]);
+      if (job_of_[at.plan][input] != Trial::kNominal) job.needs.push_back(job_of_[at.plan][input]);
     }
-    job.run = [&study, &plan, &store, i](std::stop_token stop, ProgressSink& progress) {
-      return run_trial(study, plan, i, store, stop, progress);
+    job.run = [&study, &plan, &store, index = at.trial](std::stop_token stop, ProgressSink& progress) {
+      return run_trial(study, plan, index, store, stop, progress);
     };
-    const auto [first, is_first] = first_of.try_emplace(trial.id, jobs.size());
-    if (!is_first) {
+    const auto [first, is_first] = first_of_.try_emplace(trial.id, jobs.size());
+    if (!is_first) {  // trials of one name are done once: the others wait and find it done
       job.needs.push_back(first->second);
       job.weight = 0;
     }
-    job_of[i] = jobs.size();
-    trials.push_back(i);
+    job_of_[at.plan][at.trial] = jobs.size();
+    trials.push_back(at);
     jobs.push_back(std::move(job));
   }
-  return jobs;
-}
+
+  std::vector<std::vector<std::size_t>> job_of_;
+  std::map<std::string, std::size_t> first_of_;
+};
 
 /// A stored training that ended without a policy fails again, and what needs it is skipped.
 void judge_stored(const Plan& plan, const Store& store, RunOutcome& outcome) {
@@ -48,24 +72,29 @@ void judge_stored(const Plan& plan, const Store& store, RunOutcome& outcome) {
   }
 }
 
-RunOutcome run_plan(const Study& study, const Store& store, const RunOptions& options, Plan plan) {
-  RunOutcome outcome{std::move(plan), {}, 0, false};
-  std::vector<std::size_t> trials;
-  const std::vector<Job> jobs = missing_jobs(study, outcome.plan, store, trials);
-  Progress progress(jobs);
+/// Runs what the plans of the runs lack.
+void run_plans(const std::vector<Study*>& studies, const Store& store, const RunOptions& options,
+               std::vector<RunOutcome>& runs) {
+  const MissingJobs missing(studies, runs, store);
+  Progress progress(missing.jobs);
   std::vector<Outcome> results;
-  const auto work = [&] { results = run_jobs(jobs, options.threads, options.stop, progress); };
-  if (options.watch && !jobs.empty()) {
+  const auto work = [&] { results = run_jobs(missing.jobs, options.threads, options.stop, progress); };
+  if (options.watch && !missing.jobs.empty()) {
     options.watch(progress, work);
   } else {
     work();
   }
-  outcome.outcomes.resize(outcome.plan.trials.size());
-  outcome.found = outcome.plan.trials.size() - jobs.size();
-  for (std::size_t j = 0; j < jobs.size(); ++j) outcome.outcomes[trials[j]] = results[j];
-  outcome.stopped = options.stop.stop_requested();
-  judge_stored(outcome.plan, store, outcome);
-  return outcome;
+  for (RunOutcome& run : runs) {
+    run.outcomes.assign(run.plan.trials.size(), {});
+    run.found = run.plan.trials.size();
+    run.stopped = options.stop.stop_requested();
+  }
+  for (std::size_t j = 0; j < missing.jobs.size(); ++j) {
+    RunOutcome& run = runs[missing.trials[j].plan];
+    run.outcomes[missing.trials[j].trial] = results[j];
+    --run.found;
+  }
+  for (RunOutcome& run : runs) judge_stored(run.plan, store, run);
 }
 
 /// Adds the levels that claims are about.
@@ -113,13 +142,33 @@ Plan plan_with_store(Study& study, const Store& store) {
   return expand(study, found);
 }
 
+std::vector<RunOutcome> run_studies(const std::vector<Study*>& studies, const Store& store, const RunOptions& options) {
+  std::vector<RunOutcome> runs;
+  for (Study* study : studies) runs.push_back({plan_with_store(*study, store), {}, 0, false});
+  run_plans(studies, store, options, runs);
+
+  // Those whose automatic sweeps have their levels by now go on with them.
+  std::vector<std::size_t> waiting;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i].plan.complete && !runs[i].stopped && runs[i].failed() == 0) waiting.push_back(i);
+  }
+  if (waiting.empty()) return runs;
+  std::vector<Study*> again;
+  std::vector<RunOutcome> rest;
+  for (const std::size_t i : waiting) {
+    again.push_back(studies[i]);
+    rest.push_back({plan_with_store(*studies[i], store), {}, 0, false});
+  }
+  run_plans(again, store, options, rest);
+  for (std::size_t k = 0; k < waiting.size(); ++k) {
+    rest[k].found = runs[waiting[k]].found;
+    runs[waiting[k]] = std::move(rest[k]);
+  }
+  return runs;
+}
+
 RunOutcome run_study(Study& study, const Store& store, const RunOptions& options) {
-  RunOutcome outcome = run_plan(study, store, options, plan_with_store(study, store));
-  if (outcome.plan.complete || outcome.stopped || outcome.failed() > 0) return outcome;
-  const std::size_t found_before = outcome.found;
-  outcome = run_plan(study, store, options, plan_with_store(study, store));
-  outcome.found = found_before;
-  return outcome;
+  return std::move(run_studies({&study}, store, options).front());
 }
 
 }  // namespace gust

@@ -245,6 +245,8 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
     std::ranges::move(parts[i].claims, std::back_inserter(summary.claims));
     std::ranges::move(parts[i].missing, std::back_inserter(summary.missing));
   }
+  summary.curves = stored_curves(plan, store);
+  summary.kept = stored_traces(plan, store);
   judge_formulas(study, plan, store, summary.claims);
   for (const StudyClaim& claim : study.claims) {
     if (std::ranges::find(summary.claims, &claim, &ClaimVerdict::claim) == summary.claims.end())

@@ -37,11 +37,28 @@ struct ClaimVerdict {
   Verdict verdict;
 };
 
+/// The learning curve of one seed of a policy.
+struct SeedCurve {
+  std::size_t policy = 0;
+  std::size_t member = 0;
+  std::vector<CurvePoint> points = {};
+};
+
+/// Episodes that were kept whole, of one evaluation.
+struct KeptTraces {
+  std::size_t policy = 0;
+  std::size_t member = 0;
+  std::size_t sweep = Trial::kNominal;
+  std::vector<Trace> traces = {};
+};
+
 /// What a study found: everything that tables and the page show, in plan order. Memory per cell does not depend on
 /// the number of episodes or seeds.
 struct Summary {
   std::vector<Series> series;
   std::vector<ClaimVerdict> claims;  ///< all of them; not testable where a trial is missing
+  std::vector<SeedCurve> curves;     ///< of all trainings that there are, in plan order
+  std::vector<KeptTraces> kept;      ///< a choice that a page can hold, evenly over the plan
   std::size_t margin_metric = 0;
   std::vector<std::string> missing;  ///< trials that are not in the store
 
@@ -54,6 +71,10 @@ struct Summary {
 /// The metrics that a summary holds: those that the page leads with, survival, saturation and the score of the margins.
 /// The store and what is exported from it hold all.
 std::vector<std::size_t> summarised_metrics(const Study& study);
+
+/// The learning curves and the kept episodes that the store holds.
+std::vector<SeedCurve> stored_curves(const Plan& plan, const Store& store);
+std::vector<KeptTraces> stored_traces(const Plan& plan, const Store& store);
 
 /// Reads the trials of a plan from the store as a stream and summarises them. Equal trials give equal bits for any
 /// number of threads.

@@ -13,7 +13,7 @@ void command_report(CLI::App& app, int& exit_code) {
   command->callback([folder, &exit_code] {
     const OpenStudy open = open_study(*folder);
     const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
-    fmt::print("{}\n", write_report(open.folder, open.study, open.plan, *open.store, summary, {}));
+    fmt::print("{}\n", write_report(open.folder, open.study, summary, {}));
     if (!summary.missing.empty()) exit_code = kTrialFailed;
   });
 }

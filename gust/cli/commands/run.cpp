@@ -60,7 +60,7 @@ int run(const Options& options) {
   const Summary summary = summarise(study, outcome.plan, store, threads);
   std::string report;
   try {
-    report = write_report(folder, study, outcome.plan, store, summary, warnings);
+    report = write_report(folder, study, summary, warnings);
   } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
     tell(error.what());
   }

@@ -1,0 +1,123 @@
+#include "gust/core/csv.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+#include "gust/core/error.h"
+#include "gust/core/text.h"
+
+namespace gust {
+namespace {
+
+/// Takes a CSV text apart, record by record.
+class Reader {
+ public:
+  Reader(std::string_view text, std::string_view name) : text_(text), name_(name) {}
+
+  bool at_end() const { return at_ >= text_.size(); }
+  std::size_t line() const { return line_; }
+
+  std::vector<std::string> record() {
+    std::vector<std::string> cells;
+    do {
+      cells.push_back(cell());
+    } while (take(','));
+    take('\r');
+    if (!at_end() && !take('\n')) throw Error(cat(name_, ":", line_, ": a quoted cell goes on after its quote"));
+    ++line_;
+    return cells;
+  }
+
+ private:
+  bool take(char letter) {
+    if (at_end() || text_[at_] != letter) return false;
+    ++at_;
+    return true;
+  }
+
+  std::string cell() {
+    if (take('"')) return quoted();
+    const std::size_t end = std::min(text_.find_first_of(",\r\n", at_), text_.size());
+    std::string result(text_.substr(at_, end - at_));
+    at_ = end;
+    return result;
+  }
+
+  std::string quoted() {
+    std::string result;
+    const std::size_t first = line_;
+    while (!at_end()) {
+      const char letter = text_[at_++];
+      if (letter == '"' && !take('"')) return result;
+      line_ += letter == '\n' ? 1 : 0;
+      result += letter;
+    }
+    throw Error(cat(name_, ":", first, ": a quoted cell has no end"));
+  }
+
+  std::string_view text_;
+  std::string_view name_;
+  std::size_t at_ = 0;
+  std::size_t line_ = 1;
+};
+
+}  // namespace
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted(1, '"');
+  for (const char letter : text) {
+    if (letter == '"') quoted += '"';
+    quoted += letter;
+  }
+  quoted += '"';
+  return quoted;
+}
+
+std::string csv_line(const std::vector<std::string>& cells) {
+  std::string line;
+  for (const std::string& cell : cells) {
+    line += csv_cell(cell);
+    line += ',';
+  }
+  line.back() = '\n';
+  return line;
+}
+
+CsvTable::CsvTable(std::string_view text, std::string_view name) : name_(name) {
+  Reader reader(text, name_);
+  if (reader.at_end()) throw Error(cat(name_, ":1: the file is empty"));
+  columns_ = reader.record();
+  while (!reader.at_end()) {
+    const std::size_t line = reader.line();
+    std::vector<std::string> cells = reader.record();
+    if (cells.size() != columns_.size())
+      throw Error(cat(name_, ":", line, ": ", cells.size(), " cells where the header has ", columns_.size()));
+    records_.push_back(std::move(cells));
+    lines_.push_back(line);
+  }
+}
+
+bool CsvTable::has(std::string_view column) const { return std::ranges::find(columns_, column) != columns_.end(); }
+
+const std::string& CsvTable::text(std::size_t record, std::string_view column) const {
+  const auto at = std::ranges::find(columns_, column);
+  if (at == columns_.end())
+    throw Error(cat(name_, ":1: there is no column '", column, "'", did_you_mean(column, columns_)));
+  return records_.at(record)[static_cast<std::size_t>(at - columns_.begin())];
+}
+
+double CsvTable::number(std::size_t record, std::string_view column) const {
+  const std::string& cell = text(record, column);
+  if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double number = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+  if (error != std::errc{} || end != cell.data() + cell.size())
+    throw Error(cat(place(record), ": '", cell, "' is no number (column '", column, "')"));
+  return number;
+}
+
+std::string CsvTable::place(std::size_t record) const { return cat(name_, ":", lines_.at(record)); }
+
+}  // namespace gust

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gust {
+
+/// A text as one cell of a CSV file, quoted where it must be (RFC 4180).
+std::string csv_cell(const std::string& text);
+
+/// The cells as one line, with its end.
+std::string csv_line(const std::vector<std::string>& cells);
+
+/// A CSV file with a header line; cells may be quoted.
+class CsvTable {
+ public:
+  /// Throws Error, which begins with the name and the line, where the text is no such file or a record has more or
+  /// fewer cells than the header.
+  CsvTable(std::string_view text, std::string_view name);
+
+  std::size_t size() const { return records_.size(); }
+  bool has(std::string_view column) const;
+  /// A cell of a record. Throws Error if there is no such column.
+  const std::string& text(std::size_t record, std::string_view column) const;
+  /// The cell as a number; NaN if it is empty. Throws Error with the line if it is none.
+  double number(std::size_t record, std::string_view column) const;
+  /// "name:line", for messages.
+  std::string place(std::size_t record) const;
+
+ private:
+  std::string name_;
+  std::vector<std::string> columns_;
+  std::vector<std::vector<std::string>> records_;
+  std::vector<std::size_t> lines_;
+};
+
+}  // namespace gust

@@ -1,0 +1,43 @@
+#include "gust/core/csv.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "gust/core/error.h"
+
+using namespace gust;
+
+TEST_CASE("what is written as cells is read back, whatever it holds") {
+  const std::vector<std::string> cells = {"plain", "a, b", "say \"so\"", "two\nlines", "", "θ"};
+  const CsvTable table("c0,c1,c2,c3,c4,c5\n" + csv_line(cells) + csv_line(cells), "cells.csv");
+
+  REQUIRE(table.size() == 2);
+  for (std::size_t i = 0; i < cells.size(); ++i) CHECK(table.text(1, cat("c", i)) == cells[i]);
+  CHECK(table.place(1) == "cells.csv:4");  // the first record has a cell of two lines
+}
+
+TEST_CASE("numbers of cells are exact, and empty ones are none") {
+  const CsvTable table("x,y\r\n0.1,\r\n-inf,1e300", "numbers.csv");
+
+  CHECK(table.number(0, "x") == 0.1);
+  CHECK(std::isnan(table.number(0, "y")));
+  CHECK(table.number(1, "x") == -std::numeric_limits<double>::infinity());
+  CHECK(table.number(1, "y") == 1e300);
+  CHECK(table.has("x"));
+  CHECK_FALSE(table.has("z"));
+}
+
+TEST_CASE("what is no CSV file is an error with its line") {
+  const auto wrong = [](const char* text, const char* message) {
+    CHECK_THROWS_WITH_AS(CsvTable(text, "t.csv"), message, Error);
+  };
+  wrong("", "t.csv:1: the file is empty");
+  wrong("a,b\n1\n", "t.csv:2: 1 cells where the header has 2");
+  wrong("a\n\"x", "t.csv:2: a quoted cell has no end");
+  wrong("a\n\"x\"y\n", "t.csv:2: a quoted cell goes on after its quote");
+  const CsvTable table("level\n1\nhigh\n", "t.csv");
+  CHECK_THROWS_WITH_AS(table.text(0, "levels"), "t.csv:1: there is no column 'levels'; did you mean 'level'?", Error);
+  CHECK_THROWS_WITH_AS(table.number(1, "level"), "t.csv:3: 'high' is no number (column 'level')", Error);
+}

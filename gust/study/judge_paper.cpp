@@ -1,0 +1,192 @@
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <thread>
+
+#include "gust/study/claim_scores.h"
+#include "gust/study/reproduction.h"
+
+namespace gust {
+namespace {
+
+/// Scores under a reading that has another name for some of them.
+class RenamedScores final : public FormulaData {
+ public:
+  RenamedScores(const FormulaData& scores, const std::map<std::string, std::string>& instead)
+      : scores_(scores), instead_(instead) {}
+
+  std::vector<std::string> functions() const override { return scores_.functions(); }
+  FormulaValue call(std::string_view function, const std::vector<FormulaValue>& arguments) const override {
+    const auto other = instead_.find(std::string(function));
+    return scores_.call(other == instead_.end() ? function : other->second, arguments);
+  }
+
+ private:
+  const FormulaData& scores_;
+  const std::map<std::string, std::string>& instead_;
+};
+
+/// The numbers of a printed table: score(column, row).
+class PrintedScores final : public FormulaData {
+ public:
+  PrintedScores(const Paper& paper, std::string table, std::vector<std::string> functions)
+      : paper_(paper), table_(std::move(table)), functions_(std::move(functions)) {}
+
+  std::vector<std::string> functions() const override { return functions_; }
+  FormulaValue call(std::string_view function, const std::vector<FormulaValue>& arguments) const override {
+    if (function != "score" || arguments.size() != 2) throw NotTestable("the paper prints no such number");
+    const std::string& column = arguments[0].as_text("'score'");
+    const std::string& row = arguments[1].as_text("'score'");
+    for (const PrintedValue& value : paper_.tables) {
+      if (value.table != table_ || value.column != column || value.row != row) continue;
+      return {FormulaList{{{Sampled::constant(value.mean)}}, {}}};
+    }
+    throw NotTestable(cat("the paper prints no value of ", column, " for ", row));
+  }
+
+ private:
+  const Paper& paper_;
+  std::string table_;
+  std::vector<std::string> functions_;
+};
+
+/// A claim under a reading.
+struct Question {
+  std::size_t claim = 0;
+  std::size_t reading = 0;
+};
+
+class Judge {
+ public:
+  /// Without a store all scores are 1.
+  Judge(const Reproduction& reproduction, const std::vector<Plan>& plans, const Store* store)
+      : reproduction_(reproduction), paper_(*reproduction.paper), plans_(plans), store_(store) {}
+
+  /// In the order of the claims, the reading that decides first.
+  std::vector<Question> questions() const {
+    std::vector<Question> all;
+    for (std::size_t c = 0; c < paper_.claims.size(); ++c) {
+      if (!can_ask(paper_.claims[c])) continue;
+      const std::size_t deciding = reading_of(paper_.claims[c]);
+      all.push_back({c, deciding});
+      for (std::size_t r = 0; r < paper_.readings.size(); ++r) {
+        if (r != deciding && (r == 0 || bears_on(paper_.readings[r], paper_.claims[c]))) all.push_back({c, r});
+      }
+    }
+    return all;
+  }
+
+  PaperVerdict ask(const Question& question) const {
+    const PaperClaim& claim = paper_.claims[question.claim];
+    const PaperReading& reading = paper_.readings[question.reading];
+    PaperVerdict result{question.claim, question.reading, {}, {}, 0};
+    if (!claim.formula) {
+      result.verdict = {Ruling::not_testable, claim.missing};
+      return result;
+    }
+    const ClaimScores scores(sources(claim, question.reading), view(claim, reading), Rng(1).split("paper"));
+    Finding finding;
+    if (reading.printed) {
+      const PrintedScores printed(paper_, paper_.figure(claim.figure)->table, scores.functions());
+      finding = judge(*claim.formula, paper_.names, printed);
+    } else {
+      finding = judge(*claim.formula, paper_.names, RenamedScores(scores, reading.instead));
+      result.seeds = scores.fewest_seeds().value_or(0);
+    }
+    result.measured = finding.measured;
+    result.verdict = std::move(finding.verdict);
+    const bool decided = result.verdict.ruling == Ruling::holds || result.verdict.ruling == Ruling::fails;
+    if (decided && result.seeds > 0 && result.seeds < kSeedsForVerdict)
+      result.verdict = {Ruling::undecided, cat(result.seeds, " seeds are too few; ", result.verdict.reason)};
+    return result;
+  }
+
+ private:
+  bool can_ask(const PaperClaim& claim) const {
+    return std::ranges::all_of(claim.from,
+                               [&](const std::string& study) { return reproduction_.find(0, study).has_value(); });
+  }
+
+  std::size_t reading_of(const PaperClaim& claim) const {
+    const auto at = std::ranges::find(paper_.readings, claim.reading, &PaperReading::name);
+    return at == paper_.readings.end() ? 0 : static_cast<std::size_t>(at - paper_.readings.begin());
+  }
+
+  const Study& study_of(const PaperClaim& claim) const {
+    return reproduction_.studies[*reproduction_.find(0, claim.from.front())].study;
+  }
+
+  std::string metric_of(const PaperClaim& claim) const {
+    const Study& study = study_of(claim);
+    return claim.metric.empty() ? study.metric_set.name(margin_metric(study)) : claim.metric;
+  }
+
+  /// Whether the reading changes anything that the claim asks for.
+  bool bears_on(const PaperReading& reading, const PaperClaim& claim) const {
+    if (!claim.formula) return false;
+    if (!reading.claims.empty()) return std::ranges::find(reading.claims, claim.id) != reading.claims.end();
+    if (reading.printed) return !paper_.figure(claim.figure)->table.empty();
+    const bool asks_scores = claim.formula->text().find("score(") != std::string::npos;
+    if (!reading.start.empty()) return asks_scores;
+    if (!reading.instead.empty()) return asks_scores && reading.instead.contains(metric_of(claim));
+    return std::ranges::any_of(claim.from, [&](const std::string& study) {
+      return std::ranges::find(reading.figures, study) != reading.figures.end();
+    });
+  }
+
+  std::vector<ClaimSource> sources(const PaperClaim& claim, std::size_t reading) const {
+    std::vector<ClaimSource> all;
+    for (const std::string& name : claim.from) {
+      const std::size_t at = *reproduction_.find(reading, name);
+      all.push_back({&reproduction_.studies[at].study, store_ ? &plans_[at] : nullptr, store_});
+    }
+    return all;
+  }
+
+  ClaimView view(const PaperClaim& claim, const PaperReading& reading) const {
+    const std::string metric = metric_of(claim);
+    const auto other = reading.instead.find(metric);
+    return {other == reading.instead.end() ? metric : other->second, reading.start.empty() ? "random" : reading.start};
+  }
+
+  const Reproduction& reproduction_;
+  const Paper& paper_;
+  const std::vector<Plan>& plans_;
+  const Store* store_;
+};
+
+}  // namespace
+
+std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
+                                      const Store& store, std::size_t threads) {
+  const Judge judge(reproduction, plans, &store);
+  const std::vector<Question> questions = judge.questions();
+  std::vector<PaperVerdict> verdicts(questions.size());
+  std::vector<std::exception_ptr> errors(questions.size());
+  std::atomic<std::size_t> next = 0;
+  {
+    std::vector<std::jthread> workers;
+    for (std::size_t t = 0; t < std::max<std::size_t>(threads, 1); ++t) {
+      workers.emplace_back([&] {
+        for (std::size_t i = next++; i < questions.size(); i = next++) {
+          try {
+            verdicts[i] = judge.ask(questions[i]);
+          } catch (...) {
+            errors[i] = std::current_exception();
+          }
+        }
+      });
+    }
+  }
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+  return verdicts;
+}
+
+void check_claims(const Reproduction& reproduction) {
+  const Judge judge(reproduction, {}, nullptr);
+  for (const Question& question : judge.questions()) judge.ask(question);
+}
+
+}  // namespace gust

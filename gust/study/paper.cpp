@@ -1,0 +1,179 @@
+#include "gust/study/paper.h"
+
+#include <algorithm>
+
+#include "gust/core/csv.h"
+#include "gust/core/fields.h"
+#include "gust/core/text.h"
+#include "gust/study/paper_files.h"
+#include "gust/study/parse.h"
+#include "gust/study/toml.h"
+
+namespace gust {
+namespace {
+
+/// The text of a key, or nothing.
+std::string text_of(const Table& table, std::string_view key) {
+  const Value* value = table.find(key);
+  return value ? value->as_text(key) : std::string();
+}
+
+std::vector<std::string> texts_of(const Table& table, std::string_view key) {
+  std::vector<std::string> texts;
+  const Value* value = table.find(key);
+  if (value == nullptr) return texts;
+  for (const Value& item : value->as_list(key)) texts.push_back(item.as_text(key));
+  return texts;
+}
+
+bool flag_of(const Table& table, std::string_view key) {
+  const Value* value = table.find(key);
+  return value != nullptr && value->as_bool(key);
+}
+
+/// Calls visit(table) for each of [[key]].
+template <class Visit>
+void for_each_table(const Table& table, std::string_view key, Visit&& visit) {
+  const Value* list = table.find(key);
+  if (list == nullptr) throw error_at(table.place, "there is no [[", key, "]]");
+  for (const Value& item : list->as_list(key)) visit(item.as_table(key));
+}
+
+/// Checks that every name is one of a figure's studies.
+void check_figures(const Paper& paper, const std::vector<std::string>& names, const Table& table) {
+  std::vector<std::string> known;
+  for (const PaperFigure& figure : paper.figures) known.push_back(figure.study);
+  for (const std::string& name : names) {
+    if (paper.figure(name) == nullptr)
+      throw error_at(table.place, "unknown study '", name, "'", did_you_mean(name, known));
+  }
+}
+
+PaperProfile parse_profile(const Table& table) {
+  check_keys(table, {"name", "label", "seeds", "steps"}, "a profile");
+  PaperProfile profile{required_text(table, "name", "a profile"), text_of(table, "label"), {}, 1.0};
+  if (const Value* seeds = table.find("seeds")) {
+    profile.seeds = seeds->as_int("seeds");
+    if (*profile.seeds < 1) throw error_at(seeds->place, "'seeds' must be at least 1");
+  }
+  if (const Value* steps = table.find("steps"))
+    read_value(profile.steps, *steps, "steps", Range{.low = 0, .high = 1, .low_open = true});
+  return profile;
+}
+
+PaperReading parse_reading(const Table& table) {
+  check_keys(table, {"name", "says", "settings", "figures", "instead", "start", "claims", "printed"}, "a reading");
+  PaperReading reading;
+  reading.name = required_text(table, "name", "a reading");
+  reading.says = required_text(table, "says", "a reading");
+  reading.settings = texts_of(table, "settings");
+  reading.figures = texts_of(table, "figures");
+  reading.start = text_of(table, "start");
+  reading.claims = texts_of(table, "claims");
+  reading.printed = flag_of(table, "printed");
+  if (const Value* instead = table.find("instead")) {
+    for (const auto& [from, to] : instead->as_table("instead").items) reading.instead[from] = to.as_text(from);
+  }
+  return reading;
+}
+
+PaperFigure parse_figure(const Table& table) {
+  check_keys(table, {"study", "place", "title", "says", "shows", "heat", "table", "metric"}, "a figure");
+  PaperFigure figure;
+  figure.study = required_text(table, "study", "a figure");
+  figure.place = required_text(table, "place", "a figure");
+  figure.title = required_text(table, "title", "a figure");
+  figure.says = required_text(table, "says", "a figure");
+  figure.shows = texts_of(table, "shows");
+  figure.table = text_of(table, "table");
+  figure.metric = text_of(table, "metric");
+  if (table.contains("heat")) {
+    for_each_table(table, "heat", [&](const Table& map) {
+      check_keys(map, {"name", "policies", "sweep"}, "a heat map");
+      figure.maps.push_back({required_text(map, "name", "a heat map"), required_text(map, "policies", "a heat map"),
+                             required_text(map, "sweep", "a heat map")});
+    });
+  }
+  return figure;
+}
+
+PaperClaim parse_claim(const Table& table, const Paper& paper) {
+  check_keys(table, {"id", "figure", "from", "soft", "text", "metric", "reading", "holds", "missing"}, "a claim");
+  PaperClaim claim;
+  claim.id = required_text(table, "id", "a claim");
+  claim.text = required_text(table, "text", "a claim");
+  claim.figure = required_text(table, "figure", "a claim");
+  claim.from = texts_of(table, "from");
+  if (claim.from.empty()) claim.from = {claim.figure};
+  claim.soft = flag_of(table, "soft");
+  claim.metric = text_of(table, "metric");
+  claim.reading = text_of(table, "reading");
+  check_figures(paper, {claim.figure}, table);
+  check_figures(paper, claim.from, table);
+  if (!claim.reading.empty() &&
+      std::ranges::find(paper.readings, claim.reading, &PaperReading::name) == paper.readings.end())
+    throw error_at(table.place, "unknown reading '", claim.reading, "'");
+  if (const Value* holds = table.find("holds")) {
+    claim.formula.emplace(holds->as_text("holds"), holds->place);
+  } else {
+    claim.missing = required_text(table, "missing", "a claim without 'holds'");
+  }
+  return claim;
+}
+
+void parse_manifest(std::string_view text, Paper& paper) {
+  const Table table = parse_toml(text, "paper.toml");
+  check_keys(table, {"schema", "name", "title", "source", "profile", "reading", "figure"}, "a paper");
+  paper.name = required_text(table, "name", "a paper");
+  paper.title = required_text(table, "title", "a paper");
+  paper.source = required_text(table, "source", "a paper");
+  for_each_table(table, "profile", [&](const Table& item) { paper.profiles.push_back(parse_profile(item)); });
+  for_each_table(table, "figure", [&](const Table& item) { paper.figures.push_back(parse_figure(item)); });
+  for_each_table(table, "reading", [&](const Table& item) {
+    paper.readings.push_back(parse_reading(item));
+    check_figures(paper, paper.readings.back().figures, item);
+  });
+}
+
+void parse_claims(std::string_view text, Paper& paper) {
+  const Table table = parse_toml(text, "claims.toml");
+  check_keys(table, {"names", "claim"}, "the claims");
+  if (const Value* names = table.find("names")) paper.names = parse_names(names->as_table("names"));
+  for_each_table(table, "claim", [&](const Table& item) {
+    PaperClaim claim = parse_claim(item, paper);
+    if (std::ranges::find(paper.claims, claim.id, &PaperClaim::id) != paper.claims.end())
+      throw error_at(item.place, "duplicate claim ", claim.id);
+    paper.claims.push_back(std::move(claim));
+  });
+}
+
+}  // namespace
+
+const PaperFigure* Paper::figure(std::string_view study) const {
+  const auto at = std::ranges::find(figures, study, &PaperFigure::study);
+  return at == figures.end() ? nullptr : &*at;
+}
+
+Paper parse_paper(const PaperFiles& files) {
+  Paper paper;
+  parse_manifest(files.manifest, paper);
+  parse_claims(files.claims, paper);
+  const CsvTable csv(files.tables, "tables.csv");
+  for (std::size_t i = 0; i < csv.size(); ++i) {
+    paper.tables.push_back(
+        {csv.text(i, "table"), csv.text(i, "row"), csv.text(i, "column"), csv.number(i, "mean"), csv.number(i, "std")});
+  }
+  return paper;
+}
+
+const Paper& paper_at(std::string_view name) {
+  static const Paper paper =
+      parse_paper({paper_file("paper.toml"), paper_file("claims.toml"), paper_file("tables.csv")});
+  if (name == paper.name) return paper;
+  throw Error(cat("there is no reproduction '", name, "'", did_you_mean(name, std::vector<std::string>{paper.name}),
+                  "; it is 'paper'"));
+}
+
+std::string_view paper_study(std::string_view study) { return paper_file(cat(study, ".toml")); }
+
+}  // namespace gust

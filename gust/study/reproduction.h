@@ -1,0 +1,59 @@
+#pragma once
+
+#include "gust/study/paper.h"
+#include "gust/study/summary.h"
+
+namespace gust {
+
+/// What of a paper is to be run.
+struct ReproductionChoice {
+  std::string profile = "paper";
+  std::vector<std::string> only;      ///< names of studies; empty: all
+  std::optional<std::int64_t> seeds;  ///< of every training, before the profile's
+};
+
+/// One of the paper's studies under a reading that changes it.
+struct ReproductionStudy {
+  std::size_t reading = 0;
+  std::size_t figure = 0;
+  Study study;
+};
+
+/// All studies of a reproduction, ready to be run; those of the main reading come first, in the paper's order.
+struct Reproduction {
+  const Paper* paper = nullptr;
+  ReproductionChoice choice;
+  const PaperProfile* profile = nullptr;
+  std::vector<ReproductionStudy> studies;
+
+  /// Where a figure's study under a reading stands, which is the main one's where the reading leaves it alone; none if
+  /// it is not to be run.
+  std::optional<std::size_t> find(std::size_t reading, std::string_view study) const;
+};
+
+/// Throws Error where the profile or a study is not known, or a study cannot be read.
+Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice);
+
+/// What became of a claim under a reading.
+struct PaperVerdict {
+  std::size_t claim = 0;
+  std::size_t reading = 0;
+  Interval measured;
+  Verdict verdict;
+  std::size_t seeds = 0;  ///< the fewest of any trained policy that was asked; 0 if none was
+};
+
+/// A verdict needs this many seeds; from fewer a claim is undecided.
+inline constexpr std::size_t kSeedsForVerdict = 5;
+
+/// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose
+/// studies are not to be run are left out. `plans` are those of the studies. Equal data give equal bits for any number
+/// of threads.
+std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
+                                      const Store& store, std::size_t threads);
+
+/// Asks every claim under every reading of data that have shapes only, so that what is wrong with one is found before
+/// any work.
+void check_claims(const Reproduction& reproduction);
+
+}  // namespace gust

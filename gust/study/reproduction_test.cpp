@@ -1,0 +1,63 @@
+#include "gust/study/reproduction.h"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+using namespace gust;
+
+TEST_CASE("the paper has its 72 claims, and each can be asked under each reading that bears on it") {
+  const Paper& paper = paper_at("paper");
+  const Reproduction reproduction = open_reproduction(paper, {});
+
+  REQUIRE(paper.claims.size() == 72);
+  for (std::size_t i = 0; i < paper.claims.size(); ++i) CHECK(paper.claims[i].id == cat("C", i + 1));
+  CHECK_NOTHROW(check_claims(reproduction));
+}
+
+TEST_CASE("the claims of the tables hold or fail in the paper's own numbers as its authors say") {
+  const Paper& paper = paper_at("paper");
+  const Reproduction reproduction = open_reproduction(
+      paper, {.profile = "quick", .only = {"table-dr", "table-adversary", "table-cvar"}, .seeds = {}});
+  const std::vector<Plan> plans(reproduction.studies.size());
+  std::set<std::string> hold, fail;
+  const std::filesystem::path nowhere = std::filesystem::temp_directory_path() / "gust-no-such-store";
+  const Store store(nowhere, Store::Access::write);
+  for (const PaperVerdict& verdict : judge_paper(reproduction, plans, store, 2)) {
+    if (!paper.readings[verdict.reading].printed) {
+      CHECK(verdict.verdict.ruling == Ruling::not_testable);  // nothing was measured
+      continue;
+    }
+    (verdict.verdict.ruling == Ruling::holds ? hold : fail).insert(paper.claims[verdict.claim].id);
+  }
+  std::filesystem::remove_all(nowhere);
+
+  CHECK(hold ==
+        std::set<std::string>{"C58", "C59", "C60", "C61", "C62", "C63", "C64", "C65", "C66", "C67", "C68", "C72"});
+  CHECK(fail.empty());
+}
+
+TEST_CASE("a profile changes seeds and steps of every training, a reading the plant") {
+  const Paper& paper = paper_at("paper");
+  const Reproduction reproduction =
+      open_reproduction(paper, {.profile = "quick", .only = {"learning-curves", "white"}, .seeds = {}});
+
+  REQUIRE(reproduction.studies.size() == 6);  // two of the main reading, two of scg-default, white under two more
+  CHECK(reproduction.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2});
+  CHECK(reproduction.studies[0].study.policies[1].agent->steps() == 100'000);
+  CHECK(reproduction.studies[2].study.setup.preset == "scg-default");
+  CHECK(reproduction.find(1, "white") == 3);
+  CHECK(reproduction.find(4, "white") == 1);  // that reading leaves the studies alone
+  CHECK_FALSE(reproduction.find(0, "step").has_value());
+  const Reproduction more = open_reproduction(paper, {.profile = "paper", .only = {"white"}, .seeds = 3});
+  CHECK(more.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2, 3});
+}
+
+TEST_CASE("what is not known of a paper is an error with what is") {
+  const Paper& paper = paper_at("paper");
+  CHECK_THROWS_WITH_AS(paper_at("papers"), doctest::Contains("did you mean 'paper'?"), Error);
+  CHECK_THROWS_WITH_AS(open_reproduction(paper, {.profile = "quik", .only = {}, .seeds = {}}),
+                       "unknown profile 'quik'; did you mean 'quick'?; there are paper, quick", Error);
+  CHECK_THROWS_WITH_AS(open_reproduction(paper, {.profile = "quick", .only = {"whit"}, .seeds = {}}),
+                       doctest::Contains("unknown figure 'whit'; did you mean 'white'?"), Error);
+}

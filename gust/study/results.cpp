@@ -1,0 +1,235 @@
+#include "gust/study/results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gust/core/csv.h"
+
+namespace gust {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+// What stands in the column `metric` where it is none.
+constexpr std::string_view kMargin = "margin";
+constexpr std::string_view kMarginAtLeast = "margin_at_least";
+constexpr std::string_view kNotFinite = "not_finite";
+
+/// Nothing for what is not known.
+std::string number_text(double value) { return std::isnan(value) ? std::string() : cat(value); }
+
+std::string head_line() {
+  return csv_line({"policy", "sweep", "start", "level", "level_2", "metric", "value", "low", "high", "n", "over"});
+}
+
+/// The lines of one series.
+class SeriesLines {
+ public:
+  SeriesLines(const Study& study, const Series& series) : study_(study), series_(series) {}
+
+  std::string text() const {
+    std::string lines;
+    for (std::size_t cell = 0; cell < series_.cells; ++cell) {
+      for (const std::size_t metric : series_.metrics)
+        lines += line(levels_of(cell), study_.metric_set.name(metric), series_.at(metric, cell));
+    }
+    if (series_.has_margin) {
+      const Interval& level = series_.margin.level;
+      const std::string_view what = series_.margin.censored ? kMarginAtLeast : kMargin;
+      lines += line({}, std::string(what), {level.estimate, level.low, level.high});
+    }
+    if (series_.not_finite > 0) {
+      const auto count = static_cast<double>(series_.not_finite);
+      lines += line({}, std::string(kNotFinite), {count, kUnknown, kUnknown});
+    }
+    return lines;
+  }
+
+ private:
+  const Sweep* sweep() const { return series_.sweep == Trial::kNominal ? nullptr : &study_.sweeps[series_.sweep]; }
+
+  std::pair<std::string, std::string> levels_of(std::size_t cell) const {
+    if (sweep() == nullptr) return {};
+    const std::vector<Sweep::Axis>& axes = sweep()->axes;
+    const std::size_t inner = axes.back().values.size();
+    if (axes.size() == 1) return {cat(axes[0].values[cell]), ""};
+    return {cat(axes[0].values[cell / inner]), cat(axes[1].values[cell % inner])};
+  }
+
+  std::string line(const std::pair<std::string, std::string>& levels, const std::string& metric,
+                   const Estimate& estimate) const {
+    return csv_line({study_.policies[series_.policy].name, sweep() ? sweep()->name : "",
+                     study_.starts[series_.start].name, levels.first, levels.second, metric,
+                     number_text(estimate.value), number_text(estimate.low), number_text(estimate.high),
+                     cat(series_.units), std::string(unit_name(series_.unit))});
+  }
+
+  const Study& study_;
+  const Series& series_;
+};
+
+template <class Items>
+std::size_t index_of(const Items& items, const std::string& name, const char* what, const std::string& place) {
+  const auto at = std::ranges::find(items, name, &Items::value_type::name);
+  if (at == items.end()) throw Error(cat(place, ": the study has no ", what, " '", name, "'"));
+  return static_cast<std::size_t>(at - items.begin());
+}
+
+Unit unit_from(const std::string& name) {
+  return name == unit_name(Unit::seeds) ? Unit::seeds : name == unit_name(Unit::episodes) ? Unit::episodes : Unit::none;
+}
+
+/// Puts the lines of cells_csv back together.
+class CellReader {
+ public:
+  CellReader(const CsvTable& table, Study& study, Summary& summary) : table_(table), study_(study), summary_(summary) {}
+
+  void read() {
+    summary_.margin_metric = margin_metric(study_);
+    find_levels();
+    for (std::size_t i = 0; i < table_.size(); ++i) read_line(i);
+  }
+
+ private:
+  std::size_t sweep_of(std::size_t line) const {
+    const std::string& name = table_.text(line, "sweep");
+    return name.empty() ? Trial::kNominal : index_of(study_.sweeps, name, "sweep", table_.place(line));
+  }
+
+  /// Automatic sweeps have the levels at which they were measured.
+  void find_levels() {
+    FoundLevels found;
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      const std::size_t sweep = sweep_of(i);
+      if (sweep == Trial::kNominal || !study_.sweeps[sweep].automatic || table_.text(i, "level").empty()) continue;
+      std::vector<double>& levels = found[sweep];
+      const double level = table_.number(i, "level");
+      if (std::ranges::find(levels, level) == levels.end()) levels.push_back(level);
+    }
+    for (auto& [sweep, levels] : found) std::ranges::sort(levels);
+    set_levels(study_, found);
+  }
+
+  Series& series_of(std::size_t line) {
+    const std::size_t policy = index_of(study_.policies, table_.text(line, "policy"), "policy", table_.place(line));
+    const std::size_t sweep = sweep_of(line);
+    const std::size_t start = index_of(study_.starts, table_.text(line, "start"), "start", table_.place(line));
+    if (!summary_.series.empty()) {  // lines of a series stand together
+      Series& last = summary_.series.back();
+      if (last.policy == policy && last.sweep == sweep && last.start == start) return last;
+    }
+    Series series{.policy = policy, .sweep = sweep, .start = start};
+    series.cells = sweep == Trial::kNominal ? 1 : study_.sweeps[sweep].cells();
+    series.metrics = summarised_metrics(study_);
+    series.values.assign(series.metrics.size() * series.cells, {kUnknown, kUnknown, kUnknown});
+    series.unit = unit_from(table_.text(line, "over"));
+    series.units = static_cast<std::size_t>(table_.number(line, "n"));
+    return summary_.series.emplace_back(std::move(series));
+  }
+
+  std::size_t cell_of(std::size_t line, std::size_t sweep) const {
+    if (sweep == Trial::kNominal) return 0;
+    const std::vector<Sweep::Axis>& axes = study_.sweeps[sweep].axes;
+    std::size_t cell = 0;
+    for (std::size_t a = 0; a < axes.size(); ++a) {
+      const double level = table_.number(line, a == 0 ? "level" : "level_2");
+      const auto at = std::ranges::find(axes[a].values, level);
+      if (at == axes[a].values.end())
+        throw Error(cat(table_.place(line), ": sweep '", study_.sweeps[sweep].name, "' has no ", axes[a].name(), " of ",
+                        table_.text(line, a == 0 ? "level" : "level_2")));
+      cell = cell * axes[a].values.size() + static_cast<std::size_t>(at - axes[a].values.begin());
+    }
+    return cell;
+  }
+
+  void read_line(std::size_t line) {
+    Series& series = series_of(line);
+    const Estimate estimate{table_.number(line, "value"), table_.number(line, "low"), table_.number(line, "high")};
+    const std::string& metric = table_.text(line, "metric");
+    if (metric == kMargin || metric == kMarginAtLeast) {
+      series.has_margin = true;
+      series.margin.level = {estimate.value, estimate.low, estimate.high, series.unit, series.units};
+      series.margin.censored = metric == kMarginAtLeast;
+      series.margin.last_level = study_.sweeps[series.sweep].axes.front().values.back();
+      return;
+    }
+    if (metric == kNotFinite) {
+      series.not_finite = static_cast<std::size_t>(estimate.value);
+      return;
+    }
+    const std::size_t index = study_.metric_set.index(metric, {table_.place(line)});
+    const auto at = std::ranges::find(series.metrics, index);
+    if (at == series.metrics.end())
+      throw Error(cat(table_.place(line), ": the study does not lead with '", metric, "'"));
+    const auto row = static_cast<std::size_t>(at - series.metrics.begin());
+    series.values[row * series.cells + cell_of(line, series.sweep)] = estimate;
+  }
+
+  const CsvTable& table_;
+  Study& study_;
+  Summary& summary_;
+};
+
+// The columns of curves_csv after policy and seed.
+struct CurveColumn {
+  const char* name;
+  double CurvePoint::*value;
+};
+constexpr CurveColumn kCurveColumns[] = {{"return_mean", &CurvePoint::return_mean},
+                                         {"return_std", &CurvePoint::return_std},
+                                         {"length_mean", &CurvePoint::length_mean},
+                                         {"anr", &CurvePoint::anr},
+                                         {"anr_h", &CurvePoint::anr_h},
+                                         {"rmse_scg", &CurvePoint::rmse_scg}};
+
+}  // namespace
+
+std::string cells_csv(const Study& study, const Summary& summary) {
+  std::string text = head_line();
+  for (const Series& series : summary.series) text += SeriesLines(study, series).text();
+  return text;
+}
+
+std::string curves_csv(const Study& study, const Summary& summary) {
+  std::vector<std::string> head = {"policy", "seed", "steps", "own_steps"};
+  for (const CurveColumn& column : kCurveColumns) head.emplace_back(column.name);
+  std::string text = csv_line(head);
+  for (const SeedCurve& curve : summary.curves) {
+    const StudyPolicy& policy = study.policies[curve.policy];
+    for (const CurvePoint& point : curve.points) {
+      std::vector<std::string> cells = {policy.name, policy.member(curve.member), cat(point.steps),
+                                        cat(point.protagonist_steps)};
+      for (const CurveColumn& column : kCurveColumns) cells.push_back(number_text(point.*column.value));
+      text += csv_line(cells);
+    }
+  }
+  return text;
+}
+
+void read_cells(std::string_view text, std::string_view name, Study& study, Summary& summary) {
+  const CsvTable table(text, name);
+  CellReader(table, study, summary).read();
+}
+
+void read_curves(std::string_view text, std::string_view name, const Study& study, Summary& summary) {
+  const CsvTable table(text, name);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const std::size_t policy = index_of(study.policies, table.text(i, "policy"), "policy", table.place(i));
+    std::size_t member = 0;
+    while (member < study.policies[policy].count() && study.policies[policy].member(member) != table.text(i, "seed"))
+      ++member;
+    if (member == study.policies[policy].count())
+      throw Error(
+          cat(table.place(i), ": policy '", study.policies[policy].name, "' has no seed ", table.text(i, "seed")));
+    if (summary.curves.empty() || summary.curves.back().policy != policy || summary.curves.back().member != member)
+      summary.curves.push_back({policy, member, {}});
+    CurvePoint point;
+    point.steps = static_cast<std::int64_t>(table.number(i, "steps"));
+    point.protagonist_steps = static_cast<std::int64_t>(table.number(i, "own_steps"));
+    for (const CurveColumn& column : kCurveColumns) point.*column.value = table.number(i, column.name);
+    summary.curves.back().points.push_back(point);
+  }
+}
+
+}  // namespace gust
