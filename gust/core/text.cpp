@@ -69,6 +69,21 @@ std::vector<std::string> split_text(std::string_view text, char separator) {
   return parts;
 }
 
+std::string slug(std::string_view text, std::size_t most) {
+  std::string result;
+  for (const char letter : text) {
+    if ((letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9')) {
+      result += letter;
+    } else if (letter >= 'A' && letter <= 'Z') {
+      result += static_cast<char>(letter - 'A' + 'a');
+    } else if (!result.empty() && result.back() != '-') {
+      result += '-';
+    }
+  }
+  while (!result.empty() && result.back() == '-') result.pop_back();
+  return result.substr(0, most);
+}
+
 std::string shell_word(const std::string& text) {
   static constexpr std::string_view kPlain = "_./=,+-:@%";
   const auto plain = [](unsigned char c) {

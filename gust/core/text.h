@@ -19,6 +19,9 @@ std::string join(std::span<const std::string> parts, std::string_view separator)
 /// The parts of a text between separators; an empty text has no parts.
 std::vector<std::string> split_text(std::string_view text, char separator);
 
+/// The text's letters and digits as a part of a file's name, "action-step", of at most so many characters.
+std::string slug(std::string_view text, std::size_t most = 100);
+
 /// The text as one word of a POSIX shell, quoted where it must be.
 std::string shell_word(const std::string& text);
 

@@ -46,6 +46,13 @@ TEST_CASE("text of numbers reads back to the same number in the fewest digits") 
   CHECK(cat("a", 1, ' ', 2.5, " ", -0.0) == "a1 2.5 -0");
 }
 
+TEST_CASE("a slug keeps letters and digits") {
+  CHECK(slug("PPO-DR high, 1.5 M") == "ppo-dr-high-1-5-m");
+  CHECK(slug("  saturate before: ") == "saturate-before");
+  CHECK(slug("action step", 8) == "action-s");
+  CHECK(slug("…").empty());
+}
+
 TEST_CASE("a text becomes one word of a shell, quoted only where it must be") {
   CHECK(shell_word("studies/demo.toml") == "studies/demo.toml");
   CHECK(shell_word("action step") == "'action step'");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gust/core/hash.h"
+#include "gust/core/text.h"
 
 namespace gust {
 namespace {
@@ -18,20 +19,8 @@ constexpr double kSecondsPerTrainingStep = 7e-6;
 constexpr double kSecondsPerEpisodeStep = 1.5e-7;
 constexpr double kSecondsPerSubstep = 8e-9;
 
-std::string slug(std::string_view text) {
-  std::string result;
-  for (const char letter : text) {
-    const bool plain = (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9');
-    if (plain) result += letter;
-    if (letter >= 'A' && letter <= 'Z') result += static_cast<char>(letter - 'A' + 'a');
-    if (!plain && !result.empty() && result.back() != '-') result += '-';
-  }
-  while (!result.empty() && result.back() == '-') result.pop_back();
-  return result.substr(0, 40);
-}
-
 void name_trial(Trial& trial, std::string_view label) {
-  trial.id = cat(slug(label), "-", hash_hex(trial.canonical).substr(0, 20));
+  trial.id = cat(slug(label, 40), "-", hash_hex(trial.canonical).substr(0, 20));
 }
 
 std::string common_text(const Study& study) {

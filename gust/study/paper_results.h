@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+
+#include "gust/study/reproduction.h"
+
+namespace gust {
+
+/// What a reproduction found: all that its page and its text are made of.
+struct PaperResults {
+  Reproduction reproduction;       ///< its automatic sweeps have the levels that were found
+  std::vector<Summary> summaries;  ///< of its studies
+  std::vector<PaperVerdict> verdicts;
+  std::vector<std::string> failures;                            ///< trials that did not end well, each with its reason
+  std::vector<std::pair<std::string, std::string>> provenance;  ///< versions, machine, time; in order
+
+  /// The summary that a reading has of a study; null if it was not to be run.
+  const Summary* summary(std::size_t reading, std::string_view study) const;
+  /// The verdicts on one claim, the deciding one first.
+  std::vector<const PaperVerdict*> on(std::size_t claim) const;
+};
+
+/// A result folder of a reproduction:
+///
+///   reproduction.json           which paper, profile, studies and seeds; versions, machine, time; what failed
+///   claims.csv                  a line a claim and reading
+///   READING/STUDY.csv           the cells (cells_csv)
+///   READING/STUDY-learning.csv  learning curves, of the figures that show them
+///   READING/STUDY-N.json        episodes for the replay, of the figures that show them
+///
+/// Reads back what was written, to the bit. Throws Error where a file is missing or another version's.
+void write_results(const PaperResults& results, const std::filesystem::path& folder);
+PaperResults read_results(const std::filesystem::path& folder);
+
+/// Whether a folder holds the results of a reproduction.
+bool holds_results(const std::filesystem::path& folder);
+
+/// Writes the trained policies of the main reading's learning figures, the first seed of each, as ONNX files into
+/// FOLDER/policies.
+void write_headline_policies(const Reproduction& reproduction, const std::vector<Plan>& plans, const Store& store,
+                             const std::filesystem::path& folder);
+
+}  // namespace gust
