@@ -38,8 +38,8 @@ function policyKey(policies) {
     change({hidden});
   };
   const buttons = policies.map((policy) =>
-    element('button', {type: 'button', 'data-policy': policy, title: data.policies[policy].kind, onclick: () => toggle(policy)},
-      swatch(policy), element('span', {}, data.policies[policy].name)));
+    element('button', {type: 'button', 'data-policy': placeOf(policy), title: data.policies[policy].kind, onclick: () => toggle(policy)},
+      swatch(placeOf(policy)), element('span', {}, data.policies[policy].name)));
   const update = () => buttons.forEach((button, index) =>
     button.setAttribute('aria-pressed', String(!state.hidden.has(policies[index]))));
   onChange(update);
@@ -76,6 +76,7 @@ function commandList(commands) {
  * Vega-Lite specification, [[title, command]].
  */
 function addTools(figure, parts) {
+  const name = `${data.name}-${parts.name}`;
   const drawer = element('div', {class: 'drawer', 'aria-live': 'polite'});
   let open = '';
   const show = (what, content) => {
@@ -90,10 +91,10 @@ function addTools(figure, parts) {
   const giver = (label, title, give) => element('button', {type: 'button', title, onclick: give}, label);
   const tools = element('div', {class: 'tools', role: 'group', 'aria-label': 'This figure as'},
     opener('Table', () => tableOf(parts.rows())),
-    giver('CSV', 'The numbers of this figure, as shown', () => download(fileName(parts.name, 'csv'), toCsv(parts.rows()), 'text/csv')),
-    giver('Vega-Lite', 'The specification of this figure, with its data', () => downloadSpec(parts.spec(), parts.name)),
-    giver('SVG', 'This figure as a vector drawing', () => downloadSvg(parts.spec(), parts.name)),
-    giver('PNG', 'This figure as an image', () => downloadPng(parts.spec(), parts.name)),
+    giver('CSV', 'The numbers of this figure, as shown', () => download(fileName(name, 'csv'), toCsv(parts.rows()), 'text/csv')),
+    giver('Vega-Lite', 'The specification of this figure, with its data', () => downloadSpec(parts.spec(), name)),
+    giver('SVG', 'This figure as a vector drawing', () => downloadSvg(parts.spec(), name)),
+    giver('PNG', 'This figure as an image', () => downloadPng(parts.spec(), name)),
     opener('Command', () => commandList(parts.commands())));
   onChange(() => {
     if (open === 'Table') drawer.replaceChildren(tableOf(parts.rows()));

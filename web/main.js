@@ -1,24 +1,4 @@
-// Brings the page to life: figures, the choice of start for the margins, copy buttons, the bar.
-
-const figures = {
-  curves: (figure) => siteFigure(figure, {name: 'curves', metric: () => state.metric, strip: true, chooseMetric: true}),
-  survival: (figure) => siteFigure(figure, {name: 'survival', metric: () => data.survival, strip: false, chooseMetric: false}),
-  learning: learningFigure,
-  parameters: parameterFigure,
-  grids: heatFigure,
-  replay: replayFigure,
-};
-
-function startMargins() {
-  const tables = [...document.querySelectorAll('.margins')];
-  const update = () => {
-    const shown = tables.find((table) => Number(table.dataset.start) === state.start) ?? tables[0];
-    for (const table of tables) table.hidden = table !== shown;
-  };
-  document.getElementById('margin-choices')?.append(startChoice(tables.map((table) => Number(table.dataset.start))));
-  onChange(update);
-  update();
-}
+// Brings the page to life: figures, copy buttons, the bar.
 
 function startCopyButtons() {
   for (const button of document.querySelectorAll('[data-copy]')) {
@@ -50,16 +30,13 @@ function unfoldForPrint() {
 
 async function start() {
   startThemeButton();
-  startMargins();
   startCopyButtons();
   startBar();
   unfoldForPrint();
-  for (const key of document.querySelectorAll('.key[data-policy]')) key.replaceWith(swatch(Number(key.dataset.policy)));
   // Charts measure their texts once: the fonts must be there first.
   await Promise.all([document.fonts.load('11px Inter'), document.fonts.load('11px Inter', 'θ')]).catch(() => {});
-  for (const [id, draw] of Object.entries(figures)) {
-    const figure = document.getElementById(`figure-${id}`);
-    if (figure) draw(figure);
+  for (const script of document.querySelectorAll('script[type="application/json"]')) {
+    startFigures(script.parentElement, JSON.parse(script.textContent));  // the figures stand beside their data
   }
   startIdleDrawing();
   document.documentElement.dataset.ready = 'true';
