@@ -1,5 +1,6 @@
 // What all figures share: choices above, buttons beneath, a table of what is drawn.
 
+const mostInKey = 12;  // policies, before the key scrolls
 const tableRows = 300;  // that a browser shows without pain; the CSV has all
 
 /** A row of buttons of which one is pressed. options: [[value, label, help]]. */
@@ -30,7 +31,7 @@ function startChoice(starts) {
     segmented('Start', options, () => state.start, (start) => change({start})));
 }
 
-/** The key to the lines; each entry hides or shows its policy everywhere. */
+/** The key to the lines; each entry hides or shows its policy everywhere. A long one can be emptied and filled at once. */
 function policyKey(policies) {
   const toggle = (policy) => {
     const hidden = new Set(state.hidden);
@@ -44,7 +45,14 @@ function policyKey(policies) {
     button.setAttribute('aria-pressed', String(!state.hidden.has(policies[index]))));
   onChange(update);
   update();
-  return element('div', {class: 'key-row', role: 'group', 'aria-label': 'Policies shown'}, ...buttons);
+  const key = element('div', {class: 'key-row', role: 'group', 'aria-label': 'Policies shown'}, ...buttons);
+  if (policies.length <= mostInKey) return key;
+  key.classList.add('crowded');
+  key.tabIndex = 0;
+  const those = (label, hidden) => element('button', {type: 'button', onclick: () => change({hidden: new Set(hidden)})}, label);
+  return element('div', {class: 'long-key'},
+    element('div', {class: 'choice'}, element('span', {class: 'label'}, `${policies.length} policies`),
+      those('First 8', policies.slice(shownAtFirst)), those('All', []), those('None', policies)), key);
 }
 
 /** The places of a sorted list of numbers without repetition. */

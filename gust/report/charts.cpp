@@ -26,7 +26,7 @@ std::string caption(const Page& page, std::string_view kind) {
   if (kind == "curves") {
     return cat(
         "One column a site, one row a waveform. Line: estimate; band: ", escaped(page.interval),
-        ". Triangles on the axis: margins.",
+        page.margins.empty() ? "." : ". Triangles on the axis: margins.",
         page.saturation_metric == Page::kNone ? "" : " Strip beneath: share of control steps with a saturated action.");
   }
   if (kind == "survival") return "Share of episodes that end without a failure; band: 95 % Wilson interval.";

@@ -173,7 +173,9 @@ std::vector<Section> sections(const ReproductionPage& page, const std::vector<Pa
   Page origin;
   origin.provenance = page.provenance;
   origin.run_command = page.run_command;
-  out.push_back({"provenance", "Provenance", "Where this comes from", provenance_html(origin)});
+  const std::string print =
+      "<p class=\"print\"><button type=\"button\" id=\"print\" hidden>Draw all charts and print</button></p>\n";
+  out.push_back({"provenance", "Provenance", "Where this comes from", provenance_html(origin) + print});
   return out;
 }
 
@@ -197,7 +199,8 @@ std::string render_reproduction(const ReproductionPage& page) {
   Document document;
   document.name = page.title;
   document.places = Places(page).count(page);
-  document.style = asset("reproduction.css");
+  document.style =
+      cat(asset("reproduction.css"), page.label.empty() ? "" : ".topbar { border-bottom: 3px solid var(--open); }\n");
   document.hero = hero(page);
   document.sections = sections(page, figure_data(page));
   return document_html(document);

@@ -230,8 +230,9 @@ std::string verdict_picture(const ReproductionPage& page) {
   const std::string reading =
       page.readings.empty() ? "" : cat("Judged under the main reading, ", escaped(page.readings.front().name), ".");
   return cat("<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
-             "</dl>\n<p class=\"note\">", reading,
-             hang ? " <span class=\"fold\"></span> Another reading decides differently." : "", "</p></div></div>\n");
+             "</dl>\n<p class=\"note\">", reading, "</p>",
+             hang ? "<p class=\"note\"><span class=\"fold\"></span> Another reading decides differently.</p>" : "",
+             "</div></div>\n");
 }
 
 std::string reading_table(const ReproductionPage& page) {
@@ -239,10 +240,10 @@ std::string reading_table(const ReproductionPage& page) {
   const auto hang = std::ranges::count_if(page.claims, hangs_on_reading);
   const auto turn = std::ranges::count_if(page.claims, reverses);
   const std::string turned =
-      turn == 0 ? "" : cat("; ", counted(static_cast<std::size_t>(turn), "turns", "turn"), " from true to false");
+      turn == 0 ? "" : cat("; ", turn, turn == 1 ? " turns" : " turn", " round, from holds to fails");
   return cat("<p class=\"lead\">The paper leaves open what some of its words mean. ", hang, " of ",
-             counted(page.claims.size(), "claim changes", "claims change"), " with the reading", turned,
-             ". An empty place: the reading does not bear on the claim.</p>\n", reading_matrix(page),
+             counted(page.claims.size(), "claim", "claims"), hang == 1 ? " changes" : " change", " with the reading",
+             turned, ". An empty place: the reading does not bear on the claim.</p>\n", reading_matrix(page),
              readings_list(page), changing_list(page));
 }
 
@@ -254,6 +255,7 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   if (verdict.seeds > 0) details.push_back(seeds_text(verdict));
   details.push_back(claim.hard ? "stated as a fact" : "stated softly");
   if (!claim.place.empty()) details.push_back(escaped(claim.place));
+  if (verdict.reading > 0) details.push_back(cat("under ", escaped(page.readings[verdict.reading].name)));
   if (hangs_on_reading(claim)) details.push_back("<b>hangs on the reading</b>");
   std::string line;
   for (const auto& detail : details) line += cat("<span>", detail, "</span>");
