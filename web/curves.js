@@ -104,7 +104,7 @@ function tellAt(index, metric, i) {
   return curvesOf(index, state.start, metric).filter((curve) => !state.hidden.has(curve.p)).map((curve) => {
     const share = saturated.find((one) => one.p === curve.p)?.v[i];
     const strip = share === null || share === undefined || metric === data.survival ? '' : ` · ${Math.round(100 * share)} % saturated`;
-    return [curve.p, data.policies[curve.p].name, interval(curve, i) + strip];
+    return [placeOf(curve.p), data.policies[curve.p].name, interval(curve, i) + strip];
   });
 }
 

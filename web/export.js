@@ -1,8 +1,8 @@
 // What a figure gives away: CSV, its Vega-Lite specification, SVG, PNG.
 
 /** A name that any file system takes. */
-function fileName(figure, ending) {
-  const slug = `${data.name}-${figure}`.normalize('NFKD').replace(/[^A-Za-z0-9]+/g, '-').replace(/^-+|-+$/g, '').slice(0, 80);
+function fileName(name, ending) {
+  const slug = name.normalize('NFKD').replace(/[^A-Za-z0-9]+/g, '-').replace(/^-+|-+$/g, '').slice(0, 80);
   return `${slug || 'figure'}.${ending}`;
 }
 

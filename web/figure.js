@@ -1,5 +1,6 @@
 // What all figures share: choices above, buttons beneath, a table of what is drawn.
 
+const mostInKey = 12;  // policies, before the key scrolls
 const tableRows = 300;  // that a browser shows without pain; the CSV has all
 
 /** A row of buttons of which one is pressed. options: [[value, label, help]]. */
@@ -30,7 +31,7 @@ function startChoice(starts) {
     segmented('Start', options, () => state.start, (start) => change({start})));
 }
 
-/** The key to the lines; each entry hides or shows its policy everywhere. */
+/** The key to the lines; each entry hides or shows its policy everywhere. A long one can be emptied and filled at once. */
 function policyKey(policies) {
   const toggle = (policy) => {
     const hidden = new Set(state.hidden);
@@ -38,13 +39,20 @@ function policyKey(policies) {
     change({hidden});
   };
   const buttons = policies.map((policy) =>
-    element('button', {type: 'button', 'data-policy': policy, title: data.policies[policy].kind, onclick: () => toggle(policy)},
-      swatch(policy), element('span', {}, data.policies[policy].name)));
+    element('button', {type: 'button', 'data-policy': placeOf(policy), title: data.policies[policy].kind, onclick: () => toggle(policy)},
+      swatch(placeOf(policy)), element('span', {}, data.policies[policy].name)));
   const update = () => buttons.forEach((button, index) =>
     button.setAttribute('aria-pressed', String(!state.hidden.has(policies[index]))));
   onChange(update);
   update();
-  return element('div', {class: 'key-row', role: 'group', 'aria-label': 'Policies shown'}, ...buttons);
+  const key = element('div', {class: 'key-row', role: 'group', 'aria-label': 'Policies shown'}, ...buttons);
+  if (policies.length <= mostInKey) return key;
+  key.classList.add('crowded');
+  key.tabIndex = 0;
+  const those = (label, hidden) => element('button', {type: 'button', onclick: () => change({hidden: new Set(hidden)})}, label);
+  return element('div', {class: 'long-key'},
+    element('div', {class: 'choice'}, element('span', {class: 'label'}, `${policies.length} policies`),
+      those('First 8', policies.slice(shownAtFirst)), those('All', []), those('None', policies)), key);
 }
 
 /** The places of a sorted list of numbers without repetition. */
@@ -76,6 +84,7 @@ function commandList(commands) {
  * Vega-Lite specification, [[title, command]].
  */
 function addTools(figure, parts) {
+  const name = `${data.name}-${parts.name}`;
   const drawer = element('div', {class: 'drawer', 'aria-live': 'polite'});
   let open = '';
   const show = (what, content) => {
@@ -90,10 +99,10 @@ function addTools(figure, parts) {
   const giver = (label, title, give) => element('button', {type: 'button', title, onclick: give}, label);
   const tools = element('div', {class: 'tools', role: 'group', 'aria-label': 'This figure as'},
     opener('Table', () => tableOf(parts.rows())),
-    giver('CSV', 'The numbers of this figure, as shown', () => download(fileName(parts.name, 'csv'), toCsv(parts.rows()), 'text/csv')),
-    giver('Vega-Lite', 'The specification of this figure, with its data', () => downloadSpec(parts.spec(), parts.name)),
-    giver('SVG', 'This figure as a vector drawing', () => downloadSvg(parts.spec(), parts.name)),
-    giver('PNG', 'This figure as an image', () => downloadPng(parts.spec(), parts.name)),
+    giver('CSV', 'The numbers of this figure, as shown', () => download(fileName(name, 'csv'), toCsv(parts.rows()), 'text/csv')),
+    giver('Vega-Lite', 'The specification of this figure, with its data', () => downloadSpec(parts.spec(), name)),
+    giver('SVG', 'This figure as a vector drawing', () => downloadSvg(parts.spec(), name)),
+    giver('PNG', 'This figure as an image', () => downloadPng(parts.spec(), name)),
     opener('Command', () => commandList(parts.commands())));
   onChange(() => {
     if (open === 'Table') drawer.replaceChildren(tableOf(parts.rows()));

@@ -36,9 +36,9 @@ function heatFigure(figure) {
     tiles.replaceChildren();
     data.grids.forEach((grid, index) => {
       for (const layer of layersOf(index)) {
-        const host = element('div', {class: 'panel'});
+        const host = element('div', {class: 'panel map'});
         tiles.append(element('div', {class: 'tile'},
-          element('h4', {}, swatch(layer.p), ` ${data.policies[layer.p].name}`, element('small', {}, grid.name)), host));
+          element('h4', {}, swatch(placeOf(layer.p)), ` ${data.policies[layer.p].name}`, element('small', {}, grid.name)), host));
         live.push(new Chart(host, (width) => standalone(heatPanel(onScreen, heatOf(index, layer), width - 8, 240), grid.name),
           () => `${data.metrics[state.metric].title} of ${data.policies[layer.p].name} over ${grid.columns.name} and ${grid.rows.name}`));
       }

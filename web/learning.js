@@ -12,7 +12,7 @@ function learningPanels(share) {
     const own = all.filter((one) => one.source === '');
     const runs = data.runs.filter((run) => own.some((one) => one.number === run.of));
     return {
-      policy, yTitle: null, title: data.policies[policy].name,
+      policy, place: placeOf(policy), yTitle: null, title: data.policies[policy].name,
       runs: runs.flatMap((run) => pairs(run.x, run.v, {seed: run.seed})),
       mean: own.flatMap((one) => one.x.map((step, i) => ({step, value: finite(one.v[i]), low: finite(one.l?.[i]), high: finite(one.h?.[i])}))),
       others: all.filter((one) => one.source !== '').flatMap((one) => pairs(one.x, one.v, {source: one.source})),
@@ -46,7 +46,7 @@ function tellLearning(panel, i) {
   const band = at.low === null ? '' : ` [${pretty(at.low)}, ${pretty(at.high)}]`;
   const seeds = panel.runs.filter((row) => row.step === at.step).map((row) => [null, `seed ${row.seed}`, pretty(row.value)]);
   const others = panel.others.filter((row) => row.step === at.step).map((row) => [null, row.source, pretty(row.value)]);
-  return [`${at.step.toLocaleString('en')} steps`, [[panel.policy, 'mean', pretty(at.value) + band], ...seeds.slice(0, 10), ...others]];
+  return [`${at.step.toLocaleString('en')} steps`, [[panel.place, 'mean', pretty(at.value) + band], ...seeds.slice(0, 10), ...others]];
 }
 
 function learningFigure(figure) {
@@ -59,11 +59,14 @@ function learningFigure(figure) {
     change({});
     for (const chart of drawn) chart.touch();
   };
+  const shown = () => panels.filter((panel) => !state.hidden.has(panel.policy));
   const tiles = element('div', {class: 'tiles'});
   panels.forEach((panel, index) => {
     const host = element('div', {class: 'panel'});
-    tiles.append(element('div', {class: 'tile'},
-      element('h4', {}, swatch(panel.policy), ` ${panel.title}`, element('small', {}, data.policies[panel.policy].kind)), host));
+    const tile = element('div', {class: 'tile', hidden: state.hidden.has(panel.policy)},
+      element('h4', {}, swatch(panel.place), ` ${panel.title}`, element('small', {}, data.policies[panel.policy].kind)), host);
+    tiles.append(tile);
+    onChange(() => { tile.hidden = state.hidden.has(panel.policy); });
     const chart = new Chart(host, (width) => standalone(learningPanel(onScreen, {...panels[index], title: null}, width - 8, 180), panel.title),
       () => describeLearning(panel));
     drawn.push(chart);
@@ -72,14 +75,15 @@ function learningFigure(figure) {
       places: panel.mean.map((row) => row.step).filter((step) => step <= panels[index].domain.x[1]),
     }));
   });
+  const crowded = panels.some((panel) => state.hidden.has(panel.policy));
   const end = panels[0].domain.x[1];
   const spans = [[1, prettyCount(end), 'the whole training'], [0.2, prettyCount(0.2 * end), 'the first fifth']];
   figure.querySelector('.body').append(
     element('p', {class: 'lead'}, `${data.learningScore} of the policy as trained so far, undisturbed.`),
     element('div', {class: 'choices'}, element('div', {class: 'choice'}, element('span', {class: 'label'}, 'Steps, to'),
-      segmented('Steps shown', spans, () => share, zoom))), tiles);
+      segmented('Steps shown', spans, () => share, zoom)), crowded ? policyKey(panels.map((panel) => panel.policy)) : ''), tiles);
   addTools(figure, {
-    name: 'learning', rows: () => learningRows(panels), commands: () => [['the study', data.runCommand]],
-    spec: () => gridOfPanels(panels.map((panel) => [learningPanel(inFile, panel, 420, 200)]), `${data.name}: ${data.learningScore}`),
+    name: 'learning', rows: () => learningRows(shown()), commands: () => [['the study', data.runCommand]],
+    spec: () => gridOfPanels(shown().map((panel) => [learningPanel(inFile, panel, 420, 200)]), `${data.name}: ${data.learningScore}`),
   });
 }

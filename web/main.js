@@ -1,29 +1,16 @@
-// Brings the page to life: figures, the choice of start for the margins, copy buttons, the bar.
-
-const figures = {
-  curves: (figure) => siteFigure(figure, {name: 'curves', metric: () => state.metric, strip: true, chooseMetric: true}),
-  survival: (figure) => siteFigure(figure, {name: 'survival', metric: () => data.survival, strip: false, chooseMetric: false}),
-  learning: learningFigure,
-  parameters: parameterFigure,
-  grids: heatFigure,
-  replay: replayFigure,
-};
-
-function startMargins() {
-  const tables = [...document.querySelectorAll('.margins')];
-  const update = () => {
-    const shown = tables.find((table) => Number(table.dataset.start) === state.start) ?? tables[0];
-    for (const table of tables) table.hidden = table !== shown;
-  };
-  document.getElementById('margin-choices')?.append(startChoice(tables.map((table) => Number(table.dataset.start))));
-  onChange(update);
-  update();
-}
+// Brings the page to life: figures, copy buttons, the bar.
 
 function startCopyButtons() {
   for (const button of document.querySelectorAll('[data-copy]')) {
     button.addEventListener('click', () => copyText(button.parentElement.querySelector('code').textContent, button));
   }
+}
+
+/** Scrolls a long bar to one of its links. */
+function bringIntoBar(link) {
+  const bar = link.parentElement;
+  const [inner, outer] = [link.getBoundingClientRect(), bar.getBoundingClientRect()];
+  if (inner.left < outer.left || inner.right > outer.right) bar.scrollLeft += inner.left - outer.left - outer.width / 3;
 }
 
 /** Marks in the bar the section that is being read. */
@@ -36,6 +23,7 @@ function startBar() {
         if (id === entry.target.id) link.setAttribute('aria-current', 'true');
         else link.removeAttribute('aria-current');
       }
+      bringIntoBar(links.get(entry.target.id));
     }
   }, {rootMargin: '-15% 0px -75% 0px'});
   for (const id of links.keys()) seen.observe(document.getElementById(id));
@@ -48,19 +36,40 @@ function unfoldForPrint() {
   });
 }
 
+/** Charts that nobody has seen are not drawn yet: a button draws all, then prints. */
+function startPrintButton() {
+  const button = document.getElementById('print');
+  if (!button) return;
+  button.hidden = false;
+  const label = button.textContent;
+  button.addEventListener('click', async () => {
+    let drawn = 0;
+    for (const chart of charts) {
+      await chart.refresh();
+      button.textContent = `Drawing ${++drawn} of ${charts.size}`;
+    }
+    button.textContent = label;
+    window.print();
+  });
+}
+
+/** Draws the figures of each dataset, which stand beside it. */
+function startAllFigures() {
+  for (const script of document.querySelectorAll('script[type="application/json"]')) {
+    startFigures(script.parentElement, JSON.parse(script.textContent));
+  }
+  document.querySelector(':target')?.scrollIntoView({behavior: 'instant'});
+}
+
 async function start() {
   startThemeButton();
-  startMargins();
   startCopyButtons();
   startBar();
   unfoldForPrint();
-  for (const key of document.querySelectorAll('.key[data-policy]')) key.replaceWith(swatch(Number(key.dataset.policy)));
+  startPrintButton();
   // Charts measure their texts once: the fonts must be there first.
   await Promise.all([document.fonts.load('11px Inter'), document.fonts.load('11px Inter', 'θ')]).catch(() => {});
-  for (const [id, draw] of Object.entries(figures)) {
-    const figure = document.getElementById(`figure-${id}`);
-    if (figure) draw(figure);
-  }
+  startAllFigures();
   startIdleDrawing();
   document.documentElement.dataset.ready = 'true';
 }

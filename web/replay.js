@@ -163,7 +163,7 @@ class Replay {
     this.frame = null;
     this.fall.hidden = true;
     this.scrub.max = String(this.player.steps);
-    this.stage.dataset.policy = episode.p;
+    this.stage.dataset.policy = placeOf(episode.p);
     const sites = new Set(episode.disturbances.map((push) => push.site));
     this.pushEntry.hidden = !sites.has('dynamics') && !sites.has('action');
     this.seenEntry.hidden = !sites.has('observation');
@@ -249,7 +249,7 @@ function replayFigure(figure) {
     spec: () => standalone({title: replay.episode.title, ...replay.spec(inFile, 640)}, replay.episode.title),
     commands: () => [['the cell of this episode', replay.episode.command], ['the study', data.runCommand]],
   });
-  for (const button of document.querySelectorAll('[data-watch]')) {
+  for (const button of root.querySelectorAll('[data-watch]')) {
     const episode = data.episodes.find((one) => one.number === Number(button.dataset.watch));
     button.disabled = !episode;
     button.addEventListener('click', () => {

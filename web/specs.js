@@ -21,7 +21,8 @@ function yAxis(height) {
 
 /**
  * Lines with bands over one axis; margins as triangles on the axis; beneath, in a strip, a share from 0 to 1.
- * panel: {rows, strip, margins, nominal, impossible, policies, x: {title, domain, log}, y: {title, domain}, title, markers, shade}.
+ * panel: {rows, strip, margins, nominal, impossible, policies: [{name, place}], x: {title, domain, log}, y: {title, domain}, title,
+ * markers, shade}.
  */
 function curvePanel(look, panel, width, height, legend = false) {
   const inner = Math.max(60, width - yAxisWidth - rightAir);
@@ -91,12 +92,12 @@ function gridOfPanels(rows, name) {
 }
 
 /**
- * Learning curves of one policy. panel: {policy, runs: [{seed, step, value}], mean: [{step, value, low, high}],
+ * Learning curves of one policy. panel: {place, runs: [{seed, step, value}], mean: [{step, value, low, high}],
  * others: [{source, step, value}], domain: {x, y}, title, yTitle}.
  */
 function learningPanel(look, panel, width, height) {
   const inner = Math.max(60, width - yAxisWidth - rightAir);
-  const colour = policyColour(look, panel.policy);
+  const colour = policyColour(look, panel.place);
   const x = quantitative('step', {title: 'training steps', domain: panel.domain.x, axis: {...xAxis(inner), format: '~s'}});
   const y = quantitative('value', {title: panel.yTitle, domain: panel.domain.y, axis: yAxis(height)});
   const line = (values, mark, more = {}) => ({data: {values}, mark: {type: 'line', clip: true, ...mark}, encoding: {x, y, ...more}});

@@ -4,9 +4,9 @@ const colourCount = 8;
 const dashes = [[], [7, 3], [2, 2.5], [9, 3, 2, 3], [5, 2], [1, 2.5], [12, 4], [6, 2, 2, 2]];
 const shapes = ['circle', 'square', 'triangle-up', 'diamond', 'cross', 'triangle-down', 'triangle-right', 'stroke'];
 
-/** A policy's dash and marker; past eight policies colours repeat with the next pair. */
-function styleOf(policy) {
-  const turn = policy + Math.floor(policy / colourCount);
+/** Dash and marker of the policy at a place; past eight places colours repeat with the next pair. */
+function styleOf(place) {
+  const turn = place + Math.floor(place / colourCount);
   return {dash: dashes[turn % dashes.length], shape: shapes[turn % shapes.length]};
 }
 
@@ -21,8 +21,8 @@ function cssColour(name) {
 const onScreen = {colour: (name) => `var(${name})`};
 const inFile = {colour: cssColour};
 
-function policyColour(look, policy) {
-  return look.colour(`--p${policy % colourCount}`);
+function policyColour(look, place) {
+  return look.colour(`--p${place % colourCount}`);
 }
 
 function chartConfig(look) {
@@ -44,15 +44,15 @@ function chartConfig(look) {
   };
 }
 
-/** The scales that give each policy its colour, dash and marker, as Vega-Lite encodings. */
+/** The scales that give each policy {name, place} its colour, dash and marker, as Vega-Lite encodings. */
 function policyEncoding(look, policies, legend) {
-  const domain = policies.map((index) => data.policies[index].name);
+  const domain = policies.map((policy) => policy.name);
   const title = legend ? {title: 'policy'} : null;
   const scale = (range) => ({domain, range});
   return {
-    color: {field: 'policy', type: 'nominal', legend: title, scale: scale(policies.map((p) => policyColour(look, p)))},
-    dash: {field: 'policy', type: 'nominal', legend: title, scale: scale(policies.map((p) => styleOf(p).dash))},
-    shape: {field: 'policy', type: 'nominal', legend: title, scale: scale(policies.map((p) => styleOf(p).shape))},
+    color: {field: 'policy', type: 'nominal', legend: title, scale: scale(policies.map((p) => policyColour(look, p.place)))},
+    dash: {field: 'policy', type: 'nominal', legend: title, scale: scale(policies.map((p) => styleOf(p.place).dash))},
+    shape: {field: 'policy', type: 'nominal', legend: title, scale: scale(policies.map((p) => styleOf(p.place).shape))},
   };
 }
 
@@ -67,10 +67,10 @@ const markerPaths = {
   stroke: 'M-3.5 -0.8H3.5V0.8H-3.5Z',
 };
 
-/** A short piece of a policy's line with its marker. */
-function swatch(policy) {
-  const {dash, shape} = styleOf(policy);
-  return svgElement('svg', {class: 'swatch', 'data-policy': policy, width: 26, height: 10, viewBox: '0 0 26 10', 'aria-hidden': 'true'},
+/** A short piece of the line of the policy at a place, with its marker. */
+function swatch(place) {
+  const {dash, shape} = styleOf(place);
+  return svgElement('svg', {class: 'swatch', 'data-policy': place, width: 26, height: 10, viewBox: '0 0 26 10', 'aria-hidden': 'true'},
     svgElement('line', {x1: 0, x2: 26, y1: 5, y2: 5, 'stroke-dasharray': dash.join(' ')}),
     svgElement('path', {d: markerPaths[shape], transform: 'translate(13 5)'}));
 }

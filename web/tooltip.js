@@ -3,10 +3,10 @@
 const tooltipBox = element('div', {class: 'tooltip', role: 'status', hidden: true});
 document.body.append(tooltipBox);
 
-/** Shows a title and rows [policy or null, name, value] near a point of the window. */
+/** Shows a title and rows [place of a policy or null, name, value] near a point of the window. */
 function showTooltip(title, rows, x, y) {
-  const body = rows.map(([policy, name, value]) =>
-    element('tr', {}, element('td', {}, ...(policy === null ? [] : [swatch(policy)]), name), element('td', {}, value)));
+  const body = rows.map(([place, name, value]) =>
+    element('tr', {}, element('td', {}, ...(place === null ? [] : [swatch(place)]), name), element('td', {}, value)));
   tooltipBox.replaceChildren(element('strong', {}, title), element('table', {}, ...body));
   tooltipBox.hidden = false;
   const {width, height} = tooltipBox.getBoundingClientRect();

@@ -11,10 +11,6 @@
 namespace gust {
 namespace {
 
-std::string plural(std::size_t count, std::string_view one, std::string_view many) {
-  return cat(count, " ", count == 1 ? one : many);
-}
-
 std::string policy_html(const Page& page, std::size_t policy) {
   return cat("<b class=\"policy\" data-policy=\"", policy, "\">", escaped(page.policies[policy].name), "</b>");
 }
@@ -94,13 +90,13 @@ std::string ranking(const Page& page) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wins[a] > wins[b]; });
   std::vector<std::string> parts;
   for (const std::size_t p : order) {
-    const std::string holds =
-        parts.empty() ? cat(" stands the most under ", wins[p], " of ", plural(compared, "disturbance", "disturbances"))
-                      : cat(" under ", wins[p]);
+    const std::string holds = parts.empty() ? cat(" stands the most under ", wins[p], " of ",
+                                                  counted(compared, "disturbance", "disturbances"))
+                                            : cat(" under ", wins[p]);
     parts.push_back(policy_html(page, p) + holds);
   }
   if (decided == 0)
-    return cat("Under none of ", plural(compared, "disturbance", "disturbances"), " is one policy clearly ahead.");
+    return cat("Under none of ", counted(compared, "disturbance", "disturbances"), " is one policy clearly ahead.");
   const std::size_t open = compared - decided;
   const std::string rest = open > 0 ? cat("; under ", open, " no policy is clearly ahead") : "";
   return cat(join(parts, ", "), rest, ".");

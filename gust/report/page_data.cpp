@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
@@ -136,7 +137,7 @@ bool leads(const Page& page, std::size_t metric) {
 }
 
 /// The most levels a curve may keep so that the leading curves take at most two thirds of the room.
-std::size_t level_cap(const Page& page) {
+std::size_t level_cap(const Page& page, std::size_t limit) {
   std::size_t longest = 2;
   for (const auto& sweep : page.sweeps) longest = std::max(longest, sweep.levels.size());
   const auto bytes = [&](std::size_t cap) {
@@ -147,7 +148,7 @@ std::size_t level_cap(const Page& page) {
     }
     return numbers * kBytesPerNumber;
   };
-  while (longest > 2 && bytes(longest) > page.data_limit / 3 * 2) longest = std::max<std::size_t>(2, longest * 3 / 4);
+  while (longest > 2 && bytes(longest) > limit / 3 * 2) longest = std::max<std::size_t>(2, longest * 3 / 4);
   return longest;
 }
 
@@ -194,9 +195,10 @@ void fill(const Page& page, Shelves& shelves, std::size_t cap) {
   }
 }
 
-void write_names(JsonWriter& json, const Page& page) {
+void write_names(JsonWriter& json, const Page& page, const std::vector<std::size_t>& places) {
   json.key("policies").open('[');
-  for (const auto& policy : page.policies) {
+  for (std::size_t p = 0; p < page.policies.size(); ++p) {
+    const auto& policy = page.policies[p];
     json.open('{')
         .key("name")
         .text(policy.name)
@@ -204,6 +206,8 @@ void write_names(JsonWriter& json, const Page& page) {
         .text(policy.kind)
         .key("seeds")
         .index(policy.seeds)
+        .key("place")
+        .index(places[p])
         .close('}');
   }
   json.close(']').key("metrics").open('[');
@@ -279,13 +283,20 @@ std::vector<std::string> left_out(const Page& page, const Shelves& shelves, std:
 }  // namespace
 
 PageData page_data(const Page& page) {
-  const std::size_t cap = level_cap(page);
-  Shelves shelves(page.data_limit);
+  DataShare alone{page.data_limit, std::vector<std::size_t>(page.policies.size())};
+  std::iota(alone.places.begin(), alone.places.end(), std::size_t{0});
+  return page_data(page, alone);
+}
+
+PageData page_data(const Page& page, const DataShare& share) {
+  GUST_CHECK(share.places.size() == page.policies.size());
+  const std::size_t cap = level_cap(page, share.limit);
+  Shelves shelves(share.limit);
   fill(page, shelves, cap);
   JsonWriter json;
   json.open('{');
   write_rest(json, page);
-  write_names(json, page);
+  write_names(json, page, share.places);
   write_sweeps(json, page, cap);
   write_grids(json, page);
   write_margins(json, page);

@@ -51,7 +51,7 @@ struct ReproductionPage {
     std::vector<std::string> claims;  ///< ids; each claim belongs to one figure
     std::vector<TableCell> table;     ///< row by row
     std::string table_metric;         ///< what its numbers are
-    std::vector<std::string> shows;   ///< of "curves", "survival", "learning", "parameters", "grids", "replay"
+    std::vector<std::string> shows;   ///< of chart_kinds(); what the page has no data for is left out
     Page page;                        ///< the charts' data
   };
 
@@ -67,7 +67,8 @@ struct ReproductionPage {
   std::vector<std::pair<std::string, std::string>> provenance;
 };
 
-/// One HTML file that needs nothing else. Throws Error where an index points outside its list.
+/// One HTML file that needs nothing else, of less than 20 MB. Throws Bug where an index points outside its list, a
+/// claim is unknown or belongs to two figures, or a figure shows what no chart is called.
 std::string render_reproduction(const ReproductionPage& page);
 
 }  // namespace gust

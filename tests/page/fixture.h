@@ -3,6 +3,7 @@
 #include <string>
 
 #include "gust/report/page.h"
+#include "gust/report/reproduction_page.h"
 
 namespace gust {
 
@@ -18,5 +19,11 @@ Page large_page();
 
 /// The demo page with its first policy alone.
 Page single_page();
+
+/// A paper's reproduction with 4 figures, 12 claims and 3 readings, just as invented.
+ReproductionPage reproduction_page();
+
+/// 19 figures of 46 policies each, 72 claims, 12 readings.
+ReproductionPage large_reproduction();
 
 }  // namespace gust

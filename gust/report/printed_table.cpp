@@ -1,0 +1,119 @@
+#include "gust/report/printed_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/error.h"
+#include "gust/report/html.h"
+
+namespace gust {
+namespace {
+
+using TableCell = ReproductionPage::TableCell;
+
+/// The axis that the cells of one row share.
+struct Axis {
+  double low = 0;
+  double high = 0;
+
+  void reach(const Page::Estimate& estimate) {
+    for (const double value : {estimate.value, estimate.low, estimate.high}) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  double scale() const { return std::max(-low, high); }
+  std::string place(double value) const {
+    const double share = high > low ? (value - low) / (high - low) : 0.0;
+    return fmt::format("{:.1f}%", 100 * std::clamp(share, 0.0, 1.0));
+  }
+};
+
+std::string bar(std::string_view kind, const Page::Estimate& estimate, const Axis& axis, int middle) {
+  std::string out;
+  if (estimate.low <= estimate.high) {
+    out += cat("<line class=\"bar ", kind, "\" x1=\"", axis.place(estimate.low), "\" x2=\"", axis.place(estimate.high),
+               "\" y1=\"", middle, "\" y2=\"", middle, "\"/>");
+  }
+  if (!std::isfinite(estimate.value)) return out;
+  const std::string x = axis.place(estimate.value);
+  return cat(out, "<line class=\"tick ", kind, "\" x1=\"", x, "\" x2=\"", x, "\" y1=\"", middle - 4, "\" y2=\"",
+             middle + 4, "\"/>");
+}
+
+/// The printed value above ours, on the axis of their row.
+std::string micro_plot(const TableCell& cell, const Axis& axis) {
+  const std::string zero = axis.place(0);
+  return cat("<svg class=\"micro\" height=\"20\" aria-hidden=\"true\"><line class=\"axis\" x1=\"", zero, "\" x2=\"",
+             zero, "\" y1=\"0\" y2=\"20\"/>", bar("printed", cell.printed, axis, 5), bar("ours", cell.ours, axis, 15),
+             "</svg>");
+}
+
+std::string printed_text(const Page::Estimate& printed, double scale) {
+  const double deviation = (printed.high - printed.low) / 2;
+  return cat(decimal(printed.value, scale),
+             std::isfinite(deviation) ? cat(" <span class=\"interval\">± ", decimal(deviation, scale), "</span>") : "");
+}
+
+std::string difference_text(const TableCell& cell, double scale) {
+  const double difference = cell.ours.value - cell.printed.value;
+  if (!std::isfinite(difference)) return "–";
+  const std::string text = cat(difference > 0 ? "+" : "", decimal(difference, scale));
+  if (!stands_apart(cell)) return text;
+  return cat("<b title=\"Our interval leaves out the printed value\">", difference > 0 ? "▲" : "▼", " ", text, "</b>");
+}
+
+std::string cell_row(const TableCell& cell, const Axis& axis, std::size_t rows_named) {
+  const double scale = axis.scale();
+  const std::string name =
+      rows_named == 0 ? "" : cat("<th scope=\"rowgroup\" rowspan=\"", rows_named, "\">", escaped(cell.row), "</th>");
+  return cat("<tr", stands_apart(cell) ? " class=\"apart\"" : "", ">", name, "<th scope=\"row\">", escaped(cell.column),
+             "</th><td class=\"number\">", printed_text(cell.printed, scale), "</td><td class=\"number\">",
+             decimal(cell.ours.value, scale), " <span class=\"interval\">", interval_text(cell.ours, scale),
+             "</span></td><td class=\"number\">", difference_text(cell, scale), "</td><td class=\"plot\">",
+             micro_plot(cell, axis), "</td></tr>\n");
+}
+
+/// Neighbours of one row's name, under that name once.
+std::string group_html(std::span<const TableCell> cells) {
+  Axis axis;
+  for (const auto& cell : cells) {
+    axis.reach(cell.printed);
+    axis.reach(cell.ours);
+  }
+  std::string out = "<tbody>";
+  for (std::size_t i = 0; i < cells.size(); ++i) out += cell_row(cells[i], axis, i == 0 ? cells.size() : 0);
+  return out + "</tbody>\n";
+}
+
+}  // namespace
+
+bool stands_apart(const TableCell& cell) {
+  return cell.printed.value < cell.ours.low || cell.printed.value > cell.ours.high;
+}
+
+std::string printed_table(const ReproductionPage::Figure& figure) {
+  if (figure.table.empty()) return "";
+  const auto apart = static_cast<std::size_t>(std::ranges::count_if(figure.table, stands_apart));
+  std::string out =
+      cat("<h3>The paper’s table beside ours</h3>\n<p class=\"lead\">", escaped(figure.table_metric), ". ", apart,
+          " of ", counted(figure.table.size(), "printed value", "printed values"), apart == 1 ? " lies" : " lie",
+          " outside our interval: <b>▲</b> ours is larger, <b>▼</b> smaller.</p>\n"
+          "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The paper’s table beside ours\"><table "
+          "class=\"printed\">\n<thead><tr><th scope=\"col\">test</th><th scope=\"col\">policy</th><th scope=\"col\" "
+          "class=\"number\">paper <small>± std</small></th><th scope=\"col\" class=\"number\">ours "
+          "<small>[interval]</small>"
+          "</th><th scope=\"col\" class=\"number\">difference</th><th scope=\"col\" class=\"plot\"><span "
+          "class=\"swatch-bar printed\"></span>paper <span class=\"swatch-bar ours\"></span>ours</th></tr></thead>\n");
+  const std::span<const TableCell> cells(figure.table);
+  for (std::size_t from = 0; from < cells.size();) {
+    std::size_t to = from + 1;
+    while (to < cells.size() && cells[to].row == cells[from].row) ++to;
+    out += group_html(cells.subspan(from, to - from));
+    from = to;
+  }
+  return out + "</table></div>\n";
+}
+
+}  // namespace gust

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "gust/report/reproduction_page.h"
+
+namespace gust {
+
+/// What the paper prints beside ours, with the differences; empty where the figure has no table.
+std::string printed_table(const ReproductionPage::Figure& figure);
+
+/// Whether our interval leaves out what the paper prints.
+bool stands_apart(const ReproductionPage::TableCell& cell);
+
+}  // namespace gust

@@ -1,0 +1,269 @@
+#include "gust/report/verdicts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "gust/core/error.h"
+#include "gust/core/text.h"
+#include "gust/report/html.h"
+
+namespace gust {
+namespace {
+
+constexpr std::array kRulings = {Ruling::holds, Ruling::fails, Ruling::undecided, Ruling::not_testable};
+
+/// The class of a ruling in the style sheet, and the end of its mark's name.
+std::string_view style_of(Ruling ruling) { return ruling == Ruling::not_testable ? "untested" : ruling_name(ruling); }
+
+std::string mark(Ruling ruling) {
+  return cat("<svg class=\"mark\" aria-hidden=\"true\"><use href=\"#mark-", style_of(ruling), "\"/></svg>");
+}
+
+/// The mark on its colour; decided ones are solid.
+std::string stamp(Ruling ruling, std::string_view title = "") {
+  return cat("<span class=\"stamp ", style_of(ruling), "\"", title.empty() ? "" : cat(" title=\"", title, "\""), ">",
+             mark(ruling), "</span>");
+}
+
+std::string_view meaning(Ruling ruling) {
+  switch (ruling) {
+    case Ruling::holds:
+      return "true throughout the interval";
+    case Ruling::fails:
+      return "true nowhere in it";
+    case Ruling::undecided:
+      return "the interval leaves both open, or too few seeds";
+    case Ruling::not_testable:
+      return "a datum is missing";
+  }
+  throw Bug("a ruling outside its enumeration");
+}
+
+/// The verdict of the main reading.
+Ruling main_ruling(const ReproductionPage::Claim& claim) {
+  return claim.verdicts.empty() ? Ruling::not_testable : claim.verdicts.front().ruling;
+}
+
+bool rules(const ReproductionPage::Claim& claim, Ruling ruling) {
+  return std::ranges::any_of(claim.verdicts,
+                             [&](const ReproductionPage::Verdict& one) { return one.ruling == ruling; });
+}
+
+bool reverses(const ReproductionPage::Claim& claim) {
+  return rules(claim, Ruling::holds) && rules(claim, Ruling::fails);
+}
+
+std::string link_to(const ReproductionPage::Claim& claim) {
+  return cat("<a href=\"#claim-", escaped(claim.id), "\">", escaped(claim.id), "</a>");
+}
+
+std::string cell(const ReproductionPage::Claim& claim) {
+  const Ruling ruling = main_ruling(claim);
+  const bool hangs = hangs_on_reading(claim);
+  return cat("<li><a class=\"cell ", style_of(ruling), hangs ? " hangs" : "", "\" href=\"#claim-", escaped(claim.id),
+             "\" title=\"", escaped(claim.text), "\">", mark(ruling), escaped(claim.id), "<span class=\"hidden\"> ",
+             ruling_name(ruling), hangs ? ", hangs on the reading" : "", "</span></a></li>\n");
+}
+
+std::string count_html(const ReproductionPage& page, Ruling ruling) {
+  const auto count = std::ranges::count(page.claims, ruling, main_ruling);
+  return cat("<div><dt>", stamp(ruling), ruling_name(ruling), "<small>", meaning(ruling), "</small></dt><dd>", count,
+             "</dd></div>\n");
+}
+
+const ReproductionPage::Verdict* verdict_under(const ReproductionPage::Claim& claim, std::size_t reading) {
+  const auto at = std::ranges::find(claim.verdicts, reading, &ReproductionPage::Verdict::reading);
+  return at == claim.verdicts.end() ? nullptr : &*at;
+}
+
+std::string reading_row(const ReproductionPage& page, std::size_t reading) {
+  const std::string name = escaped(page.readings[reading].name);
+  std::string out = cat("<tr><th scope=\"row\">", name, "</th>");
+  for (const auto& claim : page.claims) {
+    const ReproductionPage::Verdict* verdict = verdict_under(claim, reading);
+    if (!verdict) {
+      out += "<td></td>";
+      continue;
+    }
+    const std::string_view ruling = ruling_name(verdict->ruling);
+    out += cat("<td>", stamp(verdict->ruling, cat(escaped(claim.id), ", ", name, ": ", ruling)),
+               "<span class=\"hidden\">", ruling, "</span></td>");
+  }
+  return out + "</tr>\n";
+}
+
+std::string reading_matrix(const ReproductionPage& page) {
+  std::string out =
+      cat("<div class=\"scroll readings\" tabindex=\"0\" role=\"region\" aria-label=\"Verdicts by reading\"><table "
+          "style=\"--claims:",
+          page.claims.size(), "\">\n<thead><tr><th scope=\"col\">reading</th>");
+  for (const auto& claim : page.claims) {
+    out += cat("<th scope=\"col\"", hangs_on_reading(claim) ? " class=\"hangs\"" : "", " title=\"", escaped(claim.text),
+               "\">", link_to(claim), "</th>");
+  }
+  out += "</tr></thead>\n<tbody>\n";
+  for (std::size_t reading = 0; reading < page.readings.size(); ++reading) out += reading_row(page, reading);
+  return out + "</tbody></table></div>\n";
+}
+
+std::string readings_list(const ReproductionPage& page) {
+  std::string out = "<h3>The readings</h3>\n<dl class=\"facts\">\n";
+  for (const auto& [name, says] : page.readings) {
+    const bool is_main = &name == &page.readings.front().name;
+    out += cat("<div><dt>", escaped(name), is_main ? " <b>main</b>" : "", "</dt><dd>", escaped(says), "</dd></div>\n");
+  }
+  return out + "</dl>\n";
+}
+
+/// "✓ holds: scg-2022, saturate before" for each ruling that a claim gets.
+std::string by_ruling(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
+  std::string out;
+  for (const Ruling ruling : kRulings) {
+    std::vector<std::string> names;
+    for (const auto& verdict : claim.verdicts) {
+      if (verdict.ruling == ruling) names.push_back(escaped(page.readings[verdict.reading].name));
+    }
+    if (names.empty()) continue;
+    out += cat("<span class=\"under\">", stamp(ruling), " ", ruling_name(ruling), ": ", join(names, ", "), "</span>");
+  }
+  return out;
+}
+
+std::string changing_list(const ReproductionPage& page) {
+  std::string items;
+  for (const auto& claim : page.claims) {
+    if (!hangs_on_reading(claim)) continue;
+    items += cat("<li><span class=\"id\">", link_to(claim), "</span><div><p>", escaped(claim.text),
+                 reverses(claim) ? " <b class=\"reverses\">turns round</b>" : "", "</p><p class=\"detail\">",
+                 by_ruling(page, claim), "</p></div></li>\n");
+  }
+  if (items.empty()) return "";
+  return cat("<h3>Claims that hang on a reading</h3>\n<ul class=\"changing\">\n", items, "</ul>\n");
+}
+
+double largest(const Page::Estimate& estimate) {
+  double size = 0;
+  for (const double value : {estimate.value, estimate.low, estimate.high}) {
+    if (std::isfinite(value)) size = std::max(size, std::abs(value));
+  }
+  return size;
+}
+
+std::string measured_html(const ReproductionPage::Verdict& verdict) {
+  if (std::isnan(verdict.measured.value)) return "";
+  const double scale = largest(verdict.measured);
+  return cat("measured <b class=\"value\">", decimal(verdict.measured.value, scale), "</b> <span class=\"interval\">",
+             interval_text(verdict.measured, scale), "</span>");
+}
+
+std::string seeds_text(const ReproductionPage::Verdict& verdict) {
+  return verdict.seeds == 0 ? "" : counted(verdict.seeds, "seed", "seeds");
+}
+
+std::string pill(Ruling ruling) {
+  return cat("<span class=\"verdict\">", mark(ruling), " ", ruling_name(ruling), "</span>");
+}
+
+std::string other_readings(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
+  std::string rows;
+  for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
+    const ReproductionPage::Verdict& verdict = claim.verdicts[i];
+    rows += cat("<tr class=\"", style_of(verdict.ruling), "\"><th scope=\"row\">",
+                escaped(page.readings[verdict.reading].name), "</th><td>", pill(verdict.ruling), "</td><td>",
+                measured_html(verdict), "</td><td>", seeds_text(verdict), "</td><td class=\"reason\">",
+                escaped(verdict.reason), "</td></tr>\n");
+  }
+  if (rows.empty()) return "";
+  return cat(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Other readings\"><table "
+      "class=\"other\"><tbody>\n",
+      rows, "</tbody></table></div>\n");
+}
+
+/// The formula and the other readings, folded; the summary shows what the other readings say.
+std::string folded(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
+  const std::string others = other_readings(page, claim);
+  if (others.empty() && claim.formula.empty()) return "";
+  std::string stamps;
+  for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
+    const auto& [reading, ruling, measured, seeds, reason] = claim.verdicts[i];
+    stamps += stamp(ruling, cat(escaped(page.readings[reading].name), ": ", ruling_name(ruling)));
+  }
+  const bool asked = !claim.formula.empty();
+  std::string summary = asked ? "Formula" : "";
+  if (!stamps.empty())
+    summary += cat(asked ? ", other readings" : "Other readings", " <span class=\"stamps\">", stamps, "</span>");
+  return cat("<details class=\"judged\"><summary>", summary, "</summary>",
+             !asked ? "" : cat("<pre tabindex=\"0\"><code>", escaped(claim.formula), "</code></pre>"), others,
+             "</details>");
+}
+
+}  // namespace
+
+std::string mark_shapes() {
+  return "<svg class=\"hidden\" aria-hidden=\"true\">"
+         "<symbol id=\"mark-holds\" viewBox=\"0 0 16 16\"><path d=\"M3 8.6L6.6 12.2L13 4.4\"/></symbol>"
+         "<symbol id=\"mark-fails\" viewBox=\"0 0 16 16\"><path d=\"M4 4L12 12M12 4L4 12\"/></symbol>"
+         "<symbol id=\"mark-undecided\" viewBox=\"0 0 16 16\"><circle cx=\"8\" cy=\"8\" r=\"4.8\"/><path "
+         "class=\"half\" "
+         "d=\"M8 3.2A4.8 4.8 0 0 0 8 12.8Z\"/></symbol>"
+         "<symbol id=\"mark-untested\" viewBox=\"0 0 16 16\"><path d=\"M4 8H12\"/></symbol></svg>\n";
+}
+
+bool hangs_on_reading(const ReproductionPage::Claim& claim) {
+  Ruling first = Ruling::not_testable;
+  for (const auto& verdict : claim.verdicts) {
+    if (verdict.ruling == Ruling::not_testable) continue;
+    if (first == Ruling::not_testable) first = verdict.ruling;
+    if (verdict.ruling != first) return true;
+  }
+  return false;
+}
+
+std::string verdict_picture(const ReproductionPage& page) {
+  std::string cells;
+  for (const auto& claim : page.claims) cells += cell(claim);
+  std::string counts;
+  for (const Ruling ruling : kRulings) counts += count_html(page, ruling);
+  const bool hang = std::ranges::any_of(page.claims, hangs_on_reading);
+  const std::string reading =
+      page.readings.empty() ? "" : cat("Judged under the main reading, ", escaped(page.readings.front().name), ".");
+  return cat("<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
+             "</dl>\n<p class=\"note\">", reading, "</p>",
+             hang ? "<p class=\"note\"><span class=\"fold\"></span> Another reading decides differently.</p>" : "",
+             "</div></div>\n");
+}
+
+std::string reading_table(const ReproductionPage& page) {
+  if (page.readings.size() < 2) return "";
+  const auto hang = std::ranges::count_if(page.claims, hangs_on_reading);
+  const auto turn = std::ranges::count_if(page.claims, reverses);
+  const std::string turned =
+      turn == 0 ? "" : cat("; ", turn, turn == 1 ? " turns" : " turn", " round, from holds to fails");
+  return cat("<p class=\"lead\">The paper leaves open what some of its words mean. ", hang, " of ",
+             counted(page.claims.size(), "claim", "claims"), hang == 1 ? " changes" : " change", " with the reading",
+             turned, ". An empty place: the reading does not bear on the claim.</p>\n", reading_matrix(page),
+             readings_list(page), changing_list(page));
+}
+
+std::string claim_html(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
+  const ReproductionPage::Verdict none;
+  const ReproductionPage::Verdict& verdict = claim.verdicts.empty() ? none : claim.verdicts.front();
+  std::vector<std::string> details;
+  if (const std::string measured = measured_html(verdict); !measured.empty()) details.push_back(measured);
+  if (verdict.seeds > 0) details.push_back(seeds_text(verdict));
+  details.push_back(claim.hard ? "stated as a fact" : "stated softly");
+  if (!claim.place.empty()) details.push_back(escaped(claim.place));
+  if (verdict.reading > 0) details.push_back(cat("under ", escaped(page.readings[verdict.reading].name)));
+  if (hangs_on_reading(claim)) details.push_back("<b>hangs on the reading</b>");
+  std::string line;
+  for (const auto& detail : details) line += cat("<span>", detail, "</span>");
+  return cat("<li class=\"", style_of(verdict.ruling), "\" id=\"claim-", escaped(claim.id), "\">", pill(verdict.ruling),
+             "<div><p><span class=\"id\">", escaped(claim.id), "</span> ", escaped(claim.text),
+             "</p><p class=\"detail\">", line, "</p>",
+             verdict.reason.empty() ? "" : cat("<p class=\"reason\">", escaped(verdict.reason), "</p>"),
+             folded(page, claim), "</div></li>\n");
+}
+
+}  // namespace gust
