@@ -64,26 +64,24 @@ std::string difference_text(const TableCell& cell, double scale) {
   return cat("<b title=\"Our interval leaves out the printed value\">", difference > 0 ? "▲" : "▼", " ", text, "</b>");
 }
 
-std::string cell_row(const TableCell& cell, const Axis& axis, std::size_t rows_named) {
+std::string cell_row(const TableCell& cell, const Axis& axis) {
   const double scale = axis.scale();
-  const std::string name =
-      rows_named == 0 ? "" : cat("<th scope=\"rowgroup\" rowspan=\"", rows_named, "\">", escaped(cell.row), "</th>");
-  return cat("<tr", stands_apart(cell) ? " class=\"apart\"" : "", ">", name, "<th scope=\"row\">", escaped(cell.column),
-             "</th><td class=\"number\">", printed_text(cell.printed, scale), "</td><td class=\"number\">",
-             decimal(cell.ours.value, scale), " <span class=\"interval\">", interval_text(cell.ours, scale),
-             "</span></td><td class=\"number\">", difference_text(cell, scale), "</td><td class=\"plot\">",
-             micro_plot(cell, axis), "</td></tr>\n");
+  return cat("<tr><th scope=\"row\">", escaped(cell.column), "</th><td class=\"number\">",
+             printed_text(cell.printed, scale), "</td><td class=\"number\">", decimal(cell.ours.value, scale),
+             " <span class=\"interval\">", interval_text(cell.ours, scale), "</span></td><td class=\"number\">",
+             difference_text(cell, scale), "</td><td class=\"plot\">", micro_plot(cell, axis), "</td></tr>\n");
 }
 
-/// Neighbours of one row's name, under that name once.
+/// Neighbours of one row's name, under that name.
 std::string group_html(std::span<const TableCell> cells) {
   Axis axis;
   for (const auto& cell : cells) {
     axis.reach(cell.printed);
     axis.reach(cell.ours);
   }
-  std::string out = "<tbody>";
-  for (std::size_t i = 0; i < cells.size(); ++i) out += cell_row(cells[i], axis, i == 0 ? cells.size() : 0);
+  std::string out = cat("<tbody><tr class=\"group\"><th colspan=\"5\" scope=\"rowgroup\">", escaped(cells.front().row),
+                        "</th></tr>\n");
+  for (const auto& cell : cells) out += cell_row(cell, axis);
   return out + "</tbody>\n";
 }
 
@@ -101,7 +99,7 @@ std::string printed_table(const ReproductionPage::Figure& figure) {
           " of ", counted(figure.table.size(), "printed value", "printed values"), apart == 1 ? " lies" : " lie",
           " outside our interval: <b>▲</b> ours is larger, <b>▼</b> smaller.</p>\n"
           "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The paper’s table beside ours\"><table "
-          "class=\"printed\">\n<thead><tr><th scope=\"col\">test</th><th scope=\"col\">policy</th><th scope=\"col\" "
+          "class=\"printed\">\n<thead><tr><th scope=\"col\">policy</th><th scope=\"col\" "
           "class=\"number\">paper <small>± std</small></th><th scope=\"col\" class=\"number\">ours "
           "<small>[interval]</small>"
           "</th><th scope=\"col\" class=\"number\">difference</th><th scope=\"col\" class=\"plot\"><span "

@@ -120,7 +120,8 @@ TEST_CASE("the difference to the paper is marked where our interval leaves its v
   CHECK(holds(html, "1 of 2 printed values lies outside our interval"));
   CHECK(holds(html, "▲ +0.250"));
   CHECK(holds(html, "0.500 <span class=\"interval\">± 0.250</span>"));
-  CHECK(count(html, "rowspan=\"2\"") == 1);
+  CHECK(count(html, "<th colspan=\"5\" scope=\"rowgroup\"") == 1);
+  CHECK(count(html, "<th scope=\"col\"") == 5);
 }
 
 TEST_CASE("a value without an interval is not called different, and one that is missing has no difference") {

@@ -153,7 +153,7 @@ double largest(const Page::Estimate& estimate) {
 std::string measured_html(const ReproductionPage::Verdict& verdict) {
   if (std::isnan(verdict.measured.value)) return "";
   const double scale = largest(verdict.measured);
-  return cat("measured <b class=\"value\">", decimal(verdict.measured.value, scale), "</b> <span class=\"interval\">",
+  return cat("<b class=\"value\">", decimal(verdict.measured.value, scale), "</b> <span class=\"interval\">",
              interval_text(verdict.measured, scale), "</span>");
 }
 
@@ -162,17 +162,16 @@ std::string seeds_text(const ReproductionPage::Verdict& verdict) {
 }
 
 std::string pill(Ruling ruling) {
-  return cat("<span class=\"verdict\">", mark(ruling), " ", ruling_name(ruling), "</span>");
+  return cat("<span class=\"verdict ", style_of(ruling), "\">", mark(ruling), " ", ruling_name(ruling), "</span>");
 }
 
 std::string other_readings(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
   std::string rows;
   for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
     const ReproductionPage::Verdict& verdict = claim.verdicts[i];
-    rows += cat("<tr class=\"", style_of(verdict.ruling), "\"><th scope=\"row\">",
-                escaped(page.readings[verdict.reading].name), "</th><td>", pill(verdict.ruling), "</td><td>",
-                measured_html(verdict), "</td><td>", seeds_text(verdict), "</td><td class=\"reason\">",
-                escaped(verdict.reason), "</td></tr>\n");
+    rows += cat("<tr><th scope=\"row\">", escaped(page.readings[verdict.reading].name), "</th><td>",
+                pill(verdict.ruling), "</td><td>", measured_html(verdict), "</td><td>", seeds_text(verdict),
+                "</td><td class=\"reason\">", escaped(verdict.reason), "</td></tr>\n");
   }
   if (rows.empty()) return "";
   return cat(
@@ -251,7 +250,8 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   const ReproductionPage::Verdict none;
   const ReproductionPage::Verdict& verdict = claim.verdicts.empty() ? none : claim.verdicts.front();
   std::vector<std::string> details;
-  if (const std::string measured = measured_html(verdict); !measured.empty()) details.push_back(measured);
+  if (const std::string measured = measured_html(verdict); !measured.empty())
+    details.push_back(cat("measured ", measured));
   if (verdict.seeds > 0) details.push_back(seeds_text(verdict));
   details.push_back(claim.hard ? "stated as a fact" : "stated softly");
   if (!claim.place.empty()) details.push_back(escaped(claim.place));
@@ -259,9 +259,8 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   if (hangs_on_reading(claim)) details.push_back("<b>hangs on the reading</b>");
   std::string line;
   for (const auto& detail : details) line += cat("<span>", detail, "</span>");
-  return cat("<li class=\"", style_of(verdict.ruling), "\" id=\"claim-", escaped(claim.id), "\">", pill(verdict.ruling),
-             "<div><p><span class=\"id\">", escaped(claim.id), "</span> ", escaped(claim.text),
-             "</p><p class=\"detail\">", line, "</p>",
+  return cat("<li id=\"claim-", escaped(claim.id), "\">", pill(verdict.ruling), "<div><p><span class=\"id\">",
+             escaped(claim.id), "</span> ", escaped(claim.text), "</p><p class=\"detail\">", line, "</p>",
              verdict.reason.empty() ? "" : cat("<p class=\"reason\">", escaped(verdict.reason), "</p>"),
              folded(page, claim), "</div></li>\n");
 }
