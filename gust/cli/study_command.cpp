@@ -83,6 +83,21 @@ std::size_t thread_count(std::size_t asked) {
   return std::max(1u, std::thread::hardware_concurrency());
 }
 
+std::vector<std::string> complaints(const RunOutcome& outcome) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {
+    const Outcome& result = outcome.outcomes[i];
+    const std::string& what = outcome.plan.trials[i].what;
+    if (result.state == Outcome::State::failed) lines.push_back(cat(what, " failed: ", result.reason));
+    if (result.state == Outcome::State::skipped) lines.push_back(cat(what, " was skipped: ", result.reason));
+  }
+  return lines;
+}
+
+std::vector<std::pair<std::string, std::string>> provenance() {
+  return {{"gust", std::string(kVersion)}, {"machine", machine()}, {"made", now_text()}};
+}
+
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
                          const std::vector<std::string>& warnings) {
   PageContext context;

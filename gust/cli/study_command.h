@@ -20,6 +20,12 @@ OpenStudy open_study(const std::string& path);
 /// Tells one line on stderr.
 void tell(const std::string& text);
 
+/// One line for each trial that did not end well.
+std::vector<std::string> complaints(const RunOutcome& outcome);
+
+/// Versions, machine and time, as pages tell them.
+std::vector<std::pair<std::string, std::string>> provenance();
+
 /// Writes DIR/report.html and returns its path.
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
                          const std::vector<std::string>& warnings);

@@ -17,18 +17,6 @@ struct Options {
   bool json = false;
 };
 
-/// One line for each trial that did not end well.
-std::vector<std::string> complaints(const RunOutcome& outcome) {
-  std::vector<std::string> lines;
-  for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {
-    const Outcome& result = outcome.outcomes[i];
-    const std::string& what = outcome.plan.trials[i].what;
-    if (result.state == Outcome::State::failed) lines.push_back(cat(what, " failed: ", result.reason));
-    if (result.state == Outcome::State::skipped) lines.push_back(cat(what, " was skipped: ", result.reason));
-  }
-  return lines;
-}
-
 bool required_claims_hold(const Study& study, const Summary& summary) {
   std::size_t held = 0;
   std::size_t required = 0;

@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "gust/cli/command.h"
+#include "gust/cli/progress.h"
+#include "gust/cli/reproduction_command.h"
+#include "gust/cli/signals.h"
+#include "gust/cli/study_command.h"
+#include "gust/core/text.h"
+#include "gust/report/reproduction_results.h"
+#include "gust/study/files.h"
+
+namespace gust {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string paper, out;
+  ReproductionChoice choice;
+  std::int64_t seeds = 0;
+  std::size_t threads = 0;
+  bool json = false;
+};
+
+struct Run {
+  std::vector<RunOutcome> outcomes;  ///< of the studies
+  int stopped = kDone;               ///< the exit code if it was
+};
+
+Run run_all(Reproduction& reproduction, const Store& store, std::size_t threads) {
+  SignalWatch signals;
+  RunOptions how{threads, signals.token(), {}};
+  how.watch = [](Progress& progress, const std::function<void()>& work) { show_progress(progress, work); };
+  std::vector<Study*> studies;
+  for (ReproductionStudy& part : reproduction.studies) studies.push_back(&part.study);
+  return {run_studies(studies, store, how), signals.exit_code()};
+}
+
+std::vector<std::string> all_complaints(const std::vector<RunOutcome>& outcomes) {
+  std::vector<std::string> lines;
+  for (const RunOutcome& outcome : outcomes) {
+    for (const std::string& line : complaints(outcome)) {  // readings share trials
+      if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
+PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
+                     std::size_t threads) {
+  PaperResults results{std::move(reproduction), {}, {}, all_complaints(outcomes), provenance()};
+  std::vector<Plan> plans;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    plans.push_back(outcomes[i].plan);
+    results.summaries.push_back(summarise(results.reproduction.studies[i].study, plans[i], store, threads));
+  }
+  results.verdicts = judge_paper(results.reproduction, plans, store, threads);
+  return results;
+}
+
+std::string verdicts_text(const PaperResults& results) {
+  const Paper& paper = *results.reproduction.paper;
+  std::string text;
+  if (!results.reproduction.profile->label.empty()) text += cat(results.reproduction.profile->label, "\n\n");
+  for (std::size_t c = 0; c < paper.claims.size(); ++c) {
+    const std::vector<const PaperVerdict*> on = results.on(c);
+    if (on.empty()) continue;
+    const auto same = std::ranges::count_if(
+        on, [&](const PaperVerdict* verdict) { return verdict->verdict.ruling == on.front()->verdict.ruling; });
+    text += fmt::format("{:<4} {:<13} {:>2}/{:<2}  {}\n", paper.claims[c].id, ruling_name(on.front()->verdict.ruling),
+                        same, on.size(), paper.claims[c].text);
+  }
+  text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
+  for (const std::string& sentence : findings(results)) text += cat(sentence, "\n");
+  return text;
+}
+
+std::string verdicts_json(const PaperResults& results) {
+  const Paper& paper = *results.reproduction.paper;
+  Json claims = Json::array();
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  for (const PaperVerdict& verdict : results.verdicts) {
+    claims.push_back({{"id", paper.claims[verdict.claim].id},
+                      {"reading", paper.readings[verdict.reading].name},
+                      {"verdict", ruling_name(verdict.verdict.ruling)},
+                      {"estimate", number(verdict.measured.estimate)},
+                      {"low", number(verdict.measured.low)},
+                      {"high", number(verdict.measured.high)},
+                      {"seeds", verdict.seeds},
+                      {"reason", verdict.verdict.reason}});
+  }
+  return Json{{"paper", paper.name},
+              {"profile", results.reproduction.profile->name},
+              {"findings", findings(results)},
+              {"claims", claims},
+              {"failures", results.failures}}
+      .dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+int reproduce(Options& options) {
+  if (options.seeds > 0) options.choice.seeds = options.seeds;
+  Reproduction reproduction = open_reproduction(paper_at(options.paper), options.choice);
+  check_claims(reproduction);
+  const StudyFolder folder(options.out.empty() ? cat(options.paper, ".gust") : options.out);
+  const std::size_t threads = thread_count(options.threads);
+  const Store store(folder.store(), Store::Access::write, tell);
+  const Run run = run_all(reproduction, store, threads);
+  if (run.stopped != kDone) {
+    tell("stopped; the same command goes on from here");
+    return run.stopped;
+  }
+  const PaperResults results = collect(std::move(reproduction), run.outcomes, store, threads);
+  for (const std::string& line : results.failures) tell(line);
+  std::string page;
+  try {
+    write_results(results, folder.path());
+    std::vector<Plan> plans;
+    for (const RunOutcome& outcome : run.outcomes) plans.push_back(outcome.plan);
+    write_headline_policies(results.reproduction, plans, store, folder.path());
+    page = write_reproduction(results, folder.path());
+  } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
+    tell(error.what());
+  }
+  fmt::print("{}", options.json ? verdicts_json(results) + "\n" : verdicts_text(results));
+  if (!options.json && !page.empty()) fmt::print("\nPage: {}\n", page);
+  return results.failures.empty() && !page.empty() ? kDone : kTrialFailed;
+}
+
+}  // namespace
+
+std::string command_text(const Reproduction& reproduction) {
+  const ReproductionChoice& choice = reproduction.choice;
+  std::string text = cat("gust reproduce ", reproduction.paper->name);
+  for (const std::string& name : choice.only) text += cat(" --only ", name);
+  if (choice.seeds) text += cat(" --seeds ", *choice.seeds);
+  return cat(text, " --profile ", choice.profile);
+}
+
+std::string write_reproduction(const PaperResults& results, const std::filesystem::path& folder) {
+  const std::string command = command_text(results.reproduction);
+  const std::filesystem::path page = folder / "report.html";
+  write_file_atomically(page, render_reproduction(reproduction_page(results, command)));
+  write_file_atomically(folder / "reproduce.md", reproduction_text(results, command));
+  return page.string();
+}
+
+void command_reproduce(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("reproduce", "Runs a paper's studies and decides its claims");
+  command->add_option("PAPER", options->paper, "the paper: 'paper'")->required();
+  command->add_option("--only", options->choice.only, "a figure or table by the name of its study; may be repeated")
+      ->type_name("NAME");
+  command->add_option("--seeds", options->seeds, "seeds of every training, 1 to N (default: the profile's)")
+      ->check(CLI::Range(1, 10'000));
+  command->add_option("--profile", options->choice.profile, "how much: paper, or quick, a miniature (default: paper)");
+  command->add_option("--out", options->out, "result folder (default: ./PAPER.gust)")->type_name("DIR");
+  command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--json", options->json, "verdicts as one JSON object");
+  command->footer(
+      "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust");
+  command->callback([options, &exit_code] { exit_code = reproduce(*options); });
+}
+
+}  // namespace gust

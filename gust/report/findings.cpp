@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/text.h"
+#include "gust/report/reproduction_results.h"
+
+namespace gust {
+namespace {
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+/// The cells of the main reading's curves along levels, from random starts.
+struct CurveCell {
+  const Study* study = nullptr;
+  const Series* series = nullptr;
+  std::size_t cell = 0;
+
+  const Sweep& sweep() const { return study->sweeps[series->sweep]; }
+  const StudyPolicy& policy() const { return study->policies[series->policy]; }
+  bool has(const std::string& metric) const {
+    return std::ranges::find(series->metrics, study->metric_set.index(metric, {})) != series->metrics.end();
+  }
+  double value(const std::string& metric) const { return series->at(study->metric_set.index(metric, {}), cell).value; }
+};
+
+template <class Visit>
+void for_each_curve(const PaperResults& results, Visit&& visit) {
+  const Reproduction& reproduction = results.reproduction;
+  for (std::size_t i = 0; i < reproduction.studies.size(); ++i) {
+    const Study& study = reproduction.studies[i].study;
+    if (reproduction.studies[i].reading != 0) continue;
+    for (const Series& series : results.summaries[i].series) {
+      if (series.sweep == Trial::kNominal || !study.starts[series.start].random) continue;
+      if (study.sweeps[series.sweep].along_levels()) visit(study, series);
+    }
+  }
+}
+
+std::string counts_sentence(const PaperResults& results) {
+  const std::vector<std::size_t> counts = verdict_counts(results);
+  std::size_t asked = 0;
+  for (const std::size_t count : counts) asked += count;
+  return cat("Of ", asked, " claims ", counts[0], " hold, ", counts[1], " fail, ", counts[2], " are undecided and ",
+             counts[3], " cannot be tested, under the reading that decides each.");
+}
+
+std::string hardness_sentence(const PaperResults& results) {
+  std::size_t hard = 0, hold = 0;
+  for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
+    const std::vector<const PaperVerdict*> on = results.on(c);
+    if (on.empty() || results.reproduction.paper->claims[c].soft) continue;
+    ++hard;
+    hold += on.front()->verdict.ruling == Ruling::holds ? 1 : 0;
+  }
+  return hard == 0 ? "" : cat("Of the ", hard, " that the paper states as facts, ", hold, " hold.");
+}
+
+/// Claims that hold under one reading of the paper and fail under another; the printed tables are no reading of ours.
+std::string reading_sentence(const PaperResults& results) {
+  std::vector<std::string> changing;
+  const Paper& paper = *results.reproduction.paper;
+  for (std::size_t c = 0; c < paper.claims.size(); ++c) {
+    bool holds = false, fails = false;
+    for (const PaperVerdict* verdict : results.on(c)) {
+      if (paper.readings[verdict->reading].printed) continue;
+      holds = holds || verdict->verdict.ruling == Ruling::holds;
+      fails = fails || verdict->verdict.ruling == Ruling::fails;
+    }
+    if (holds && fails) changing.push_back(paper.claims[c].id);
+  }
+  if (changing.empty()) return "No claim holds under one reading of the paper and fails under another.";
+  return cat(changing.size(), changing.size() == 1 ? " claim holds" : " claims hold",
+             " under one reading of the paper and ", changing.size() == 1 ? "fails" : "fail",
+             " under another: ", join(changing, ", "), ".");
+}
+
+/// What the paper's metric makes of episodes that fail early.
+std::string early_failure_sentence(const PaperResults& results) {
+  std::size_t cells = 0;
+  double literal = 0, honest = 0;
+  for_each_curve(results, [&](const Study& study, const Series& series) {
+    for (std::size_t c = 0; c < series.cells; ++c) {
+      const CurveCell cell{&study, &series, c};
+      if (!cell.has("anr") || !cell.has("anr_h") || !(cell.value("survival") < 0.05)) continue;
+      ++cells;
+      literal += cell.value("anr");
+      honest += cell.value("anr_h");
+    }
+  });
+  if (cells == 0) return "";
+  const auto count = static_cast<double>(cells);
+  return fmt::format(
+      "Where practically every episode fails ({} cells of policy, waveform, site and level) the paper's return over "
+      "length "
+      "still averages {:.2f}; over the whole horizon it is {:.2f}: the metric hides early failures.",
+      cells, literal / count, honest / count);
+}
+
+/// How much of what is injected into actions the actuators cut off.
+std::string saturation_sentence(const PaperResults& results) {
+  double most = 0;
+  std::string where;
+  for_each_curve(results, [&](const Study& study, const Series& series) {
+    const CurveCell cell{&study, &series, series.cells - 1};
+    if (cell.sweep().injection->site != Site::kAction || cell.policy().kind != StudyPolicy::Kind::kTrain) return;
+    const double share = cell.value("saturation");
+    if (!(share > most)) return;
+    most = share;
+    where = cat(cell.sweep().name, " at ", cell.sweep().axes.front().values.back(), " ",
+                cell.sweep().unit(study.setup.plant->spec()));
+  });
+  if (where.empty()) return "";
+  return cat("Disturbed actions saturate: at the end of the grids up to ", percent(most), " of the control steps (",
+             where, "), so that most of what is injected there never reaches the plant.");
+}
+
+/// Where a linear regulator stands more than every agent.
+std::string regulator_sentence(const PaperResults& results) {
+  struct Best {
+    double regulator = 0;
+    double agents = 0;
+    bool regulator_censored = false;
+  };
+  std::map<std::string, Best> sweeps;
+  for_each_curve(results, [&](const Study& study, const Series& series) {
+    const CurveCell cell{&study, &series, 0};
+    if (!series.has_margin || !std::isfinite(series.margin.level.estimate)) return;
+    Best& best = sweeps[cat(study.setup.plant.kind, "/", study.name, "/", cell.sweep().name)];
+    const double level = series.margin.level.estimate;
+    if (cell.policy().kind == StudyPolicy::Kind::kLqr) {
+      best.regulator = level;
+      best.regulator_censored = series.margin.censored;
+    }
+    if (cell.policy().kind == StudyPolicy::Kind::kTrain) best.agents = std::max(best.agents, level);
+  });
+  std::size_t compared = 0, ahead = 0;
+  for (const auto& [name, best] : sweeps) {
+    if (best.regulator == 0 || best.agents == 0) continue;
+    ++compared;
+    ahead += best.regulator >= best.agents ? 1 : 0;
+  }
+  if (compared == 0) return "";
+  return cat(
+      "The linear regulator, which learned nothing, keeps 90 % of its score up to at least the level of the best "
+      "agent in ",
+      ahead, " of ", compared, " sweeps of a disturbance.");
+}
+
+/// Agents whose own policy learned from a part of the steps only.
+std::string budget_sentence(const PaperResults& results) {
+  std::map<std::string, double> shares;
+  for (std::size_t i = 0; i < results.summaries.size(); ++i) {
+    const Study& study = results.reproduction.studies[i].study;
+    if (results.reproduction.studies[i].reading != 0) continue;
+    for (const SeedCurve& curve : results.summaries[i].curves) {
+      const CurvePoint& last = curve.points.back();
+      if (last.steps > 0 && last.protagonist_steps < last.steps)
+        shares[study.policies[curve.policy].agent.kind] =
+            static_cast<double>(last.protagonist_steps) / static_cast<double>(last.steps);
+    }
+  }
+  std::vector<std::string> parts;
+  for (const auto& [agent, share] : shares) parts.push_back(cat(agent, "'s policy learns from ", percent(share)));
+  if (parts.empty()) return "";
+  return cat("At equal numbers of steps ", join(parts, ", "), " of them; the rest trains its adversary.");
+}
+
+}  // namespace
+
+std::vector<std::string> findings(const PaperResults& results) {
+  std::vector<std::string> sentences;
+  for (std::string sentence : {counts_sentence(results), hardness_sentence(results), reading_sentence(results),
+                               early_failure_sentence(results), saturation_sentence(results),
+                               regulator_sentence(results), budget_sentence(results)}) {
+    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  }
+  return sentences;
+}
+
+}  // namespace gust

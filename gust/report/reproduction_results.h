@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gust/report/reproduction_page.h"
+#include "gust/study/paper_results.h"
+
+namespace gust {
+
+/// The page of what a reproduction found. `command` is the one that ran it.
+ReproductionPage reproduction_page(const PaperResults& results, const std::string& command);
+
+/// What stands at the top of page and text: how many claims hold, and what the paper could not see. Sentences, each
+/// made from the numbers.
+std::vector<std::string> findings(const PaperResults& results);
+
+/// The same results as a text in Markdown: docs/reproduce.md.
+std::string reproduction_text(const PaperResults& results, const std::string& command);
+
+/// How many verdicts of the deciding readings there are of each kind, in the order of Ruling.
+std::vector<std::size_t> verdict_counts(const PaperResults& results);
+
+}  // namespace gust

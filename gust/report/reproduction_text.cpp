@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/text.h"
+#include "gust/report/html.h"
+#include "gust/report/reproduction_results.h"
+
+namespace gust {
+namespace {
+
+/// The text in a cell of a Markdown table.
+std::string cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.replace(at, 1, "\\|");
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+std::string number(const Page::Estimate& estimate) {
+  if (!std::isfinite(estimate.value)) return "–";
+  const std::string value = short_number(estimate.value);
+  if (!std::isfinite(estimate.low) || !std::isfinite(estimate.high)) return value;
+  return cat(value, " [", short_number(estimate.low), ", ", short_number(estimate.high), "]");
+}
+
+std::string ruling_text(Ruling ruling) {
+  const std::string name(ruling_name(ruling));
+  return ruling == Ruling::holds || ruling == Ruling::fails ? cat("**", name, "**") : name;
+}
+
+/// The readings under which the verdict is another one: "fails: saturate before; undecided: not terminated".
+std::string other_verdicts(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
+  std::vector<std::string> parts;
+  for (const Ruling ruling : {Ruling::holds, Ruling::fails, Ruling::undecided, Ruling::not_testable}) {
+    std::vector<std::string> readings;
+    for (const auto& verdict : claim.verdicts) {
+      if (verdict.ruling == ruling && ruling != claim.verdicts.front().ruling)
+        readings.push_back(page.readings[verdict.reading].name);
+    }
+    if (!readings.empty()) parts.push_back(cat(ruling_name(ruling), ": ", join(readings, ", ")));
+  }
+  return parts.empty() ? (claim.verdicts.size() > 1 ? "none" : "–") : join(parts, "; ");
+}
+
+std::string claims_table(const ReproductionPage& page, const ReproductionPage::Figure& figure) {
+  std::string text = "| claim | verdict | measured | another verdict under |\n| --- | --- | --- | --- |\n";
+  for (const auto& claim : page.claims) {
+    if (std::ranges::find(figure.claims, claim.id) == figure.claims.end()) continue;
+    const auto& verdict = claim.verdicts.front();
+    const std::string reading = verdict.reading == 0 ? "" : cat(" (", page.readings[verdict.reading].name, ")");
+    text += cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", ruling_text(verdict.ruling),
+                reading, " | ", std::isfinite(verdict.measured.value) ? number(verdict.measured) : cell(verdict.reason),
+                " | ", cell(other_verdicts(page, claim)), " |\n");
+  }
+  return text + "\n";
+}
+
+/// The paper's table beside ours: a line a row, a column a policy, the printed value first.
+std::string printed_table(const ReproductionPage::Figure& figure) {
+  std::vector<std::string> rows, columns;
+  for (const auto& value : figure.table) {
+    if (std::ranges::find(rows, value.row) == rows.end()) rows.push_back(value.row);
+    if (std::ranges::find(columns, value.column) == columns.end()) columns.push_back(value.column);
+  }
+  std::string text = cat("Printed, then ours (", figure.table_metric, ", mean over seeds):\n\n|  |");
+  for (const std::string& column : columns) text += cat(" ", cell(column), " |");
+  text += "\n| --- |";
+  for (std::size_t i = 0; i < columns.size(); ++i) text += " --- |";
+  text += "\n";
+  for (const std::string& row : rows) {
+    text += cat("| ", cell(row), " |");
+    for (const std::string& column : columns) {
+      const auto at = std::ranges::find_if(
+          figure.table, [&](const auto& value) { return value.row == row && value.column == column; });
+      text +=
+          at == figure.table.end() ? " |" : cat(" ", short_number(at->printed.value), " → ", number(at->ours), " |");
+    }
+    text += "\n";
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string reproduction_text(const PaperResults& results, const std::string& command) {
+  const ReproductionPage page = reproduction_page(results, command);
+  std::string text = cat("# ", page.title, "\n\n", page.source, ".\n\n");
+  if (!page.label.empty()) text += cat("**", page.label, "**\n\n");
+  text +=
+      cat("Made by `", command,
+          "`; nothing here was typed by hand. Verdicts are at 95 % over training seeds: a claim "
+          "holds if it is true throughout the interval, fails if nowhere, else it is undecided, as it is from fewer "
+          "than ",
+          kSeedsForVerdict, " seeds.\n\n");
+  for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
+  text += "\n## How the paper can be read\n\n";
+  for (const auto& reading : page.readings) text += cat("- **", reading.name, "**: ", reading.says, "\n");
+  for (const auto& figure : page.figures) {
+    text += cat("\n## ", figure.place, ": ", figure.title, "\n\nThe paper: ", figure.says, "\n\n");
+    if (!figure.table.empty()) text += printed_table(figure);
+    if (!figure.claims.empty()) text += claims_table(page, figure);
+  }
+  if (!page.warnings.empty()) text += "\n## What failed\n\n";
+  for (const std::string& warning : page.warnings) text += cat("- ", warning, "\n");
+  while (text.ends_with("\n\n")) text.pop_back();
+  return text;
+}
+
+}  // namespace gust
