@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "gust/agents/agent_fixture_test.h"
 
 using namespace gust;
@@ -12,7 +14,47 @@ Made<Agent> raac(Options options) {
   return agents().make({options, {"test"}});
 }
 
+/// A mean over seeds, and how far its 95 % interval (Student, nine degrees of freedom) reaches to either side.
+struct MeanScore {
+  double mean = 0;
+  double reach = 0;
+};
+
+/// Of ten seeds, at the end of the training.
+MeanScore final_score(const Agent& agent) {
+  constexpr int kSeeds = 10;
+  const auto plant = plants().make({{{"kind", text("cartpole")}, {"normalized_action", {true, {"test"}}}}, {"test"}});
+  double sum = 0.0, squares = 0.0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const auto training = agent.start({plant.object.get(), {}, {}, seed});
+    while (!training->done()) training->advance();
+    const double score = training->curve().back().anr_h;
+    sum += score;
+    squares += score * score;
+  }
+  const double mean = sum / kSeeds;
+  return {mean, 2.262 * std::sqrt((squares / kSeeds - mean * mean) / (kSeeds - 1))};
+}
+
 }  // namespace
+
+TEST_CASE("8.7.6 at level 1 the score on the cart-pole is soft actor-critic's") {
+  const Options common = {{"hidden", integer(64)}, {"steps", integer(15'000)}};
+  Options plain = common, quantiles = common;
+  plain.push_back({"kind", text("sac")});
+  quantiles.insert(quantiles.end(), {{"kind", text("raac")}, {"alpha", number(1)}, {"kappa", number(0.05)}});
+
+  const MeanScore sac = final_score(*agents().make({plain, {"test"}}));
+  const MeanScore raac = final_score(*agents().make({quantiles, {"test"}}));
+
+  CAPTURE(sac.mean);
+  CAPTURE(sac.reach);
+  CAPTURE(raac.mean);
+  CAPTURE(raac.reach);
+  CHECK(sac.mean > 0.9);
+  CHECK(raac.mean > 0.9);
+  CHECK(std::abs(sac.mean - raac.mean) <= sac.reach + raac.reach);
+}
 
 TEST_CASE("RAAC learns to hold the pole up") {
   const auto plant = cartpole();
