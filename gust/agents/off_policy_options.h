@@ -69,6 +69,13 @@ struct OffPolicyOptions {
     if (burst > buffer) throw error_at(place, "'burst' must be at most 'buffer' = ", buffer, ", got ", burst);
   }
 
+  /// Floating-point operations a step: an update is worth sixteen passes of a minibatch through one network.
+  double work() const {
+    const auto width = static_cast<double>(hidden);
+    const double weights = width * width * static_cast<double>(layers - 1) + 12 * width;
+    return 32 * weights * static_cast<double>(batch) * update_ratio;
+  }
+
   std::int64_t total_steps() const { return (steps + environments - 1) / environments * environments; }
 };
 

@@ -23,6 +23,7 @@ class Ppo final : public Agent {
  public:
   explicit Ppo(const PpoOptions& options) : options_(options) {}
   std::int64_t steps() const override { return options_.steps; }
+  double work() const override { return options_.work(); }
   std::unique_ptr<Training> start(const TrainingTask& task) const override {
     return std::make_unique<LoneTraining>(options_, task);
   }

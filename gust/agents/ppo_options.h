@@ -89,6 +89,13 @@ struct PpoOptions {
 
   ReturnOptions returns() const { return {discount, lambda, use_gae, value_target == "td_lambda"}; }
   std::int64_t samples() const { return environments * rollout; }
+
+  /// Floating-point operations a step: each sample passes actor and critic once, and three times as much an epoch.
+  double work() const {
+    const auto width = static_cast<double>(hidden);
+    const double weights = width * width * static_cast<double>(layers - 1) + 12 * width;
+    return 4 * weights * (1 + 3 * static_cast<double>(epochs));
+  }
 };
 
 }  // namespace gust

@@ -8,6 +8,7 @@ class Raac final : public Agent {
  public:
   explicit Raac(const RaacOptions& options) : options_(options) {}
   std::int64_t steps() const override { return options_.steps; }
+  double work() const override { return options_.work(); }
   std::uint64_t memory(const PlantSpec& spec) const override { return replay_bytes(options_, spec, false); }
   std::unique_ptr<Training> start(const TrainingTask& task) const override {
     OffPolicySetup setup{.options = options_, .identity = cat("raac ", canonical_fields(options_))};

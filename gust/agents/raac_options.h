@@ -44,6 +44,9 @@ struct RaacOptions : OffPolicyOptions {
           field("cosines", &RaacOptions::cosines, "that a fraction is embedded by", between(1, 256)),
           field("head", &RaacOptions::head, "width of the layer above trunk and embedding", between(1, 1024)),
       });
+
+  /// The critics' heads, which see every fraction, come on top.
+  double work() const { return OffPolicyOptions::work() * (1 + 2.26 * static_cast<double>(fractions) / 32); }
 };
 
 }  // namespace gust

@@ -8,6 +8,7 @@ class Sac final : public Agent {
  public:
   explicit Sac(const OffPolicyOptions& options) : options_(options) {}
   std::int64_t steps() const override { return options_.steps; }
+  double work() const override { return options_.work(); }
   std::uint64_t memory(const PlantSpec& spec) const override { return replay_bytes(options_, spec, false); }
   std::unique_ptr<Training> start(const TrainingTask& task) const override {
     const auto twins = [](const OffPolicyOptions& options, const TransitionShape& shape, Rng rng) {

@@ -14,6 +14,7 @@ class Wcpg final : public Agent {
  public:
   explicit Wcpg(const WcpgOptions& options) : options_(options) {}
   std::int64_t steps() const override { return options_.steps; }
+  double work() const override { return options_.work(); }
   std::uint64_t memory(const PlantSpec& spec) const override { return replay_bytes(options_, spec, true); }
   std::optional<LevelRange> levels() const override { return LevelRange{options_.alpha_min, options_.alpha_max}; }
   std::unique_ptr<Training> start(const TrainingTask& task) const override;

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
 #include "gust/study/paper_results.h"
 
 namespace gust {
+
+/// --only, --seeds and --profile, which stay in force as long as `choice` lives.
+void add_choice(CLI::App& command, ReproductionChoice& choice);
 
 /// What makes the same results again.
 std::string command_text(const Reproduction& reproduction);

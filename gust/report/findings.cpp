@@ -111,7 +111,7 @@ std::string saturation_sentence(const PaperResults& results) {
   });
   if (where.empty()) return "";
   return cat("Disturbed actions saturate: at the end of the grids up to ", percent(most), " of the control steps (",
-             where, "), so that most of what is injected there never reaches the plant.");
+             where, "), so that what is injected there reaches the plant only in part.");
 }
 
 /// Where a linear regulator stands more than every agent.

@@ -91,8 +91,8 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
   for (const PaperMap& map : figure.maps) {
     if (std::optional<Page::Grid> grid = map_of(map, study, summary, drawn.page)) drawn.page.grids.push_back(*grid);
   }
-  for (const PaperClaim& claim : paper.claims) {
-    if (claim.figure == figure.study) drawn.claims.push_back(claim.id);
+  for (std::size_t c = 0; c < paper.claims.size(); ++c) {
+    if (paper.claims[c].figure == figure.study && !results.on(c).empty()) drawn.claims.push_back(paper.claims[c].id);
   }
   return drawn;
 }
@@ -124,7 +124,7 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
   }
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const PaperClaim& claim = paper.claims[c];
-    if (!results.reproduction.find(0, claim.figure)) continue;
+    if (results.on(c).empty()) continue;  // not all of its studies were to be run
     ReproductionPage::Claim shown{claim.id,    paper.figure(claim.figure)->place,
                                   claim.text,  claim.formula ? claim.formula->text() : "",
                                   !claim.soft, {}};
@@ -136,7 +136,6 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
                                 verdict->seeds,
                                 verdict->verdict.reason});
     }
-    if (shown.verdicts.empty()) shown.verdicts.push_back({0, Ruling::not_testable, {}, 0, "its studies were not run"});
     page.claims.push_back(std::move(shown));
   }
   return page;

@@ -28,6 +28,11 @@ fs::path path_of(const Store& store, std::string_view id) {
 
 }  // namespace
 
+bool has_checkpoint(const Store& store, std::string_view id) {
+  std::error_code error;
+  return fs::exists(path_of(store, id), error);
+}
+
 void save_checkpoint(const Store& store, std::string_view id, std::string_view bytes) {
   const fs::path path = path_of(store, id);
   const fs::path aside = store.aside();

@@ -35,6 +35,9 @@ class CheckpointPace {
   Clock::time_point last_;
 };
 
+/// Whether a training was begun and not finished.
+bool has_checkpoint(const Store& store, std::string_view id);
+
 /// Keeps the state of a training in progress: STORE/checkpoints/<id>, replaced whole or not at all. Committing the
 /// trial removes it.
 void save_checkpoint(const Store& store, std::string_view id, std::string_view bytes);

@@ -14,12 +14,14 @@ constexpr int kTrainVersion = 1;
 constexpr int kSearchVersion = 1;
 constexpr int kEvaluateVersion = 1;
 
-// Predicted seconds on one core of a current machine; only the order of magnitude matters for the progress display.
-constexpr double kSecondsPerTrainingStep = 7e-6;
+// Predicted seconds on one core of a current machine, until this one was measured (timings.h).
+constexpr double kSecondsPerOperation = 1e-11;  // of a training
+constexpr double kSecondsPerTrainingStep = 1e-6;
 constexpr double kSecondsPerEpisodeStep = 1.5e-7;
 constexpr double kSecondsPerSubstep = 8e-9;
 
 void name_trial(Trial& trial, std::string_view label) {
+  trial.guess = trial.seconds;
   trial.id = cat(slug(label, 40), "-", hash_hex(trial.canonical).substr(0, 20));
 }
 
@@ -87,7 +89,9 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
   trial.what = cat("train ", member_label(trained, member));
   if (!trained.randomised.draws.empty())
     trial.what += cat(" · randomise ", trained.randomised.label(study.setup.plant->spec()));
-  trial.seconds = kSecondsPerTrainingStep * static_cast<double>(trained.agent->steps());
+  const PlantSpec& spec = study.setup.plant->spec();
+  const double step = kSecondsPerTrainingStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate;
+  trial.seconds = static_cast<double>(trained.agent->steps()) * (step + kSecondsPerOperation * trained.agent->work());
   name_trial(trial, cat(trained.agent.kind, " s", trained.seeds[member]));
   return trial;
 }

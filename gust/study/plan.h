@@ -21,6 +21,7 @@ struct Trial {
   std::size_t sweep = kNominal;  ///< kNominal: undisturbed
   std::vector<std::size_t> inputs = {};
   double seconds = 0;  ///< predicted, on one core
+  double guess = 0;    ///< the same without having measured anything
 };
 
 /// "train", "search", "evaluate": also the folders of the store.

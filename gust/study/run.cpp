@@ -1,12 +1,23 @@
 #include "gust/study/run.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <map>
 
+#include "gust/study/checkpoint.h"
+#include "gust/study/timings.h"
 #include "gust/study/trials.h"
 
 namespace gust {
 namespace {
+
+/// Seconds that this thread has spent on a processor.
+double thread_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
 /// A trial of one of several plans.
 struct PlannedTrial {
@@ -21,7 +32,9 @@ class MissingJobs {
   std::vector<PlannedTrial> trials;  ///< which one each job is
 
   /// Plans and studies must outlive the jobs.
-  MissingJobs(const std::vector<Study*>& studies, const std::vector<RunOutcome>& runs, const Store& store) {
+  MissingJobs(const std::vector<Study*>& studies, const std::vector<RunOutcome>& runs, const Store& store,
+              Timings& timings)
+      : timings_(timings) {
     std::vector<PlannedTrial> all;
     for (std::size_t p = 0; p < runs.size(); ++p) {
       job_of_.emplace_back(runs[p].plan.trials.size(), Trial::kNominal);
@@ -43,19 +56,27 @@ class MissingJobs {
     for (const std::size_t input : trial.inputs) {
       if (job_of_[at.plan][input] != Trial::kNominal) job.needs.push_back(job_of_[at.plan][input]);
     }
-    job.run = [&study, &plan, &store, index = at.trial](std::stop_token stop, ProgressSink& progress) {
-      return run_trial(study, plan, index, store, stop, progress);
-    };
     const auto [first, is_first] = first_of_.try_emplace(trial.id, jobs.size());
     if (!is_first) {  // trials of one name are done once: the others wait and find it done
       job.needs.push_back(first->second);
       job.weight = 0;
     }
+    job.run = [this, &study, &plan, &store, index = at.trial, alone = is_first](std::stop_token stop,
+                                                                                ProgressSink& progress) {
+      const Trial& trial = plan.trials[index];
+      const bool whole = alone && !has_checkpoint(store, trial.id);  // it does all of the work
+      const double begin = thread_seconds();
+      Outcome outcome = run_trial(study, plan, index, store, stop, progress);
+      if (whole && outcome.state == Outcome::State::done)
+        timings_.note(timing_kind(study, trial), trial.guess, thread_seconds() - begin);
+      return outcome;
+    };
     job_of_[at.plan][at.trial] = jobs.size();
     trials.push_back(at);
     jobs.push_back(std::move(job));
   }
 
+  Timings& timings_;
   std::vector<std::vector<std::size_t>> job_of_;
   std::map<std::string, std::size_t> first_of_;
 };
@@ -75,7 +96,8 @@ void judge_stored(const Plan& plan, const Store& store, RunOutcome& outcome) {
 /// Runs what the plans of the runs lack.
 void run_plans(const std::vector<Study*>& studies, const Store& store, const RunOptions& options,
                std::vector<RunOutcome>& runs) {
-  const MissingJobs missing(studies, runs, store);
+  Timings timings(store.folder());
+  MissingJobs missing(studies, runs, store, timings);
   Progress progress(missing.jobs);
   std::vector<Outcome> results;
   const auto work = [&] { results = run_jobs(missing.jobs, options.threads, options.stop, progress); };
@@ -84,6 +106,7 @@ void run_plans(const std::vector<Study*>& studies, const Store& store, const Run
   } else {
     work();
   }
+  timings.save();
   for (RunOutcome& run : runs) {
     run.outcomes.assign(run.plan.trials.size(), {});
     run.found = run.plan.trials.size();
@@ -139,7 +162,9 @@ FoundLevels found_levels(const Study& study, const Plan& plan, const Store& stor
 Plan plan_with_store(Study& study, const Store& store) {
   const FoundLevels found = found_levels(study, expand(study, {}), store);
   set_levels(study, found);
-  return expand(study, found);
+  Plan plan = expand(study, found);
+  predict(study, Timings(store.folder()), plan);
+  return plan;
 }
 
 std::vector<RunOutcome> run_studies(const std::vector<Study*>& studies, const Store& store, const RunOptions& options) {

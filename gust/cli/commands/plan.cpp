@@ -1,60 +1,118 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "gust/cli/command.h"
+#include "gust/cli/progress_text.h"
+#include "gust/cli/reproduction_command.h"
 #include "gust/cli/study_command.h"
 #include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct Options {
   std::string study, out;
   std::vector<std::string> settings;
+  ReproductionChoice choice;
   bool json = false;
 };
 
-void print_plan(const Plan& plan, const Store* store, bool json) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  double seconds = 0;
-  std::size_t missing = 0;
-  for (const Trial& trial : plan.trials) {
-    const bool done = store != nullptr && store->has(kind_name(trial.kind), trial.id);
-    seconds += done ? 0 : trial.seconds;
-    missing += done ? 0 : 1;
-    if (json) {
-      list.push_back({{"id", trial.id},
-                      {"kind", kind_name(trial.kind)},
-                      {"what", trial.what},
-                      {"done", done},
-                      {"seconds", trial.seconds}});
-    } else {
-      fmt::print("{:<7}  {:>7.1f} s  {:<62}  {}\n", done ? "done" : "missing", trial.seconds, trial.id, trial.what);
+/// "3.2 s", or "1:02:03" from two minutes on.
+std::string duration_text(double seconds) {
+  return seconds < 120 ? fmt::format("{:.1f} s", seconds) : clock_text(seconds);
+}
+
+/// Trials of several plans, each told once.
+class PlanTeller {
+ public:
+  PlanTeller(const Store* store, bool json) : store_(store), json_(json) {}
+
+  void add(const Plan& plan, const std::string& under) {
+    complete_ = complete_ && plan.complete;
+    for (const Trial& trial : plan.trials) {
+      if (!told_.insert(trial.id).second) continue;
+      const bool done = store_ != nullptr && store_->has(kind_name(trial.kind), trial.id);
+      seconds_ += done ? 0 : trial.seconds;
+      missing_ += done ? 0 : 1;
+      tell_trial(trial, done, under);
     }
   }
-  if (json) fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-  tell(cat(plan.trials.size(), " trials, ", missing, " missing, about ", fmt::format("{:.1f}", seconds),
-           " s on one core", plan.complete ? "" : "; more follow once the automatic levels are found"));
+
+  void finish() const {
+    if (json_) fmt::print("{}\n", list_.dump(2, ' ', false, Json::error_handler_t::replace));
+    tell(cat(told_.size(), " trials, ", missing_, " missing, about ", duration_text(seconds_), " on one core",
+             complete_ ? "" : "; more follow once the automatic levels are found"));
+  }
+
+ private:
+  void tell_trial(const Trial& trial, bool done, const std::string& under) {
+    const std::string what = under.empty() ? trial.what : cat(trial.what, " · ", under);
+    if (json_) {
+      list_.push_back({{"id", trial.id},
+                       {"kind", kind_name(trial.kind)},
+                       {"what", what},
+                       {"done", done},
+                       {"seconds", trial.seconds}});
+    } else {
+      fmt::print("{:<7}  {:>7.1f} s  {:<62}  {}\n", done ? "done" : "missing", trial.seconds, trial.id, what);
+    }
+  }
+
+  const Store* store_;
+  bool json_;
+  Json list_ = Json::array();
+  std::set<std::string> told_;
+  std::size_t missing_ = 0;
+  double seconds_ = 0;
+  bool complete_ = true;
+};
+
+/// The store of a folder, if there is one.
+std::unique_ptr<Store> store_at(const std::string& folder) {
+  const std::filesystem::path path = StudyFolder(folder).store();
+  return Store::is_at(path) ? std::make_unique<Store>(path, Store::Access::read, tell) : nullptr;
+}
+
+void plan_study(const Options& options) {
+  Study study = StudyFolder::read(options.study, options.settings);
+  for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
+  const std::unique_ptr<Store> store = store_at(options.out.empty() ? standard_folder(study) : options.out);
+  PlanTeller teller(store.get(), options.json);
+  teller.add(store ? plan_with_store(study, *store) : expand(study, {}), "");
+  teller.finish();
+}
+
+void plan_paper(const Options& options) {
+  Reproduction reproduction = open_reproduction(paper_at(options.study), options.choice);
+  const std::unique_ptr<Store> store = store_at(options.out.empty() ? cat(options.study, ".gust") : options.out);
+  PlanTeller teller(store.get(), options.json);
+  for (ReproductionStudy& part : reproduction.studies) {
+    teller.add(
+        store ? plan_with_store(part.study, *store) : expand(part.study, {}),
+        cat(reproduction.paper->figures[part.figure].place, ", ", reproduction.paper->readings[part.reading].name));
+  }
+  teller.finish();
 }
 
 }  // namespace
 
 void command_plan(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("plan", "Lists the trials of a study and runs nothing");
-  command->add_option("STUDY", options->study, "the study, a TOML file")->required();
+  CLI::App* command = app.add_subcommand("plan", "Lists the trials of a study or of a reproduction and runs nothing");
+  command->add_option("STUDY", options->study, "the study, a TOML file; or 'paper'")->required();
   command->add_option("--out", options->out, "result folder (default: ./NAME.gust)");
   command->add_option("--set", options->settings, "replace a value of the study: key=value")->type_name("KEY=VALUE");
+  add_choice(*command, options->choice);
   command->add_flag("--json", options->json, "as a JSON array");
-  command->footer("Example:\n  gust plan studies/demo.toml");
+  command->footer("Examples:\n  gust plan studies/demo.toml\n  gust plan paper --profile quick");
   command->callback([options] {
-    Study study = StudyFolder::read(options->study, options->settings);
-    for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
-    const StudyFolder folder(options->out.empty() ? standard_folder(study) : options->out);
-    if (!Store::is_at(folder.store())) return print_plan(expand(study, {}), nullptr, options->json);
-    const Store store(folder.store(), Store::Access::read, tell);
-    print_plan(plan_with_store(study, store), &store, options->json);
+    const bool is_paper = options->study == "paper" && !std::filesystem::exists(options->study);
+    is_paper ? plan_paper(*options) : plan_study(*options);
   });
 }
 

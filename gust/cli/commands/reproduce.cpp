@@ -21,7 +21,6 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string paper, out;
   ReproductionChoice choice;
-  std::int64_t seeds = 0;
   std::size_t threads = 0;
   bool json = false;
 };
@@ -102,7 +101,6 @@ std::string verdicts_json(const PaperResults& results) {
 }
 
 int reproduce(Options& options) {
-  if (options.seeds > 0) options.choice.seeds = options.seeds;
   Reproduction reproduction = open_reproduction(paper_at(options.paper), options.choice);
   check_claims(reproduction);
   const StudyFolder folder(options.out.empty() ? cat(options.paper, ".gust") : options.out);
@@ -132,6 +130,14 @@ int reproduce(Options& options) {
 
 }  // namespace
 
+void add_choice(CLI::App& command, ReproductionChoice& choice) {
+  command.add_option("--only", choice.only, "of a paper: a figure or table by the name of its study; may be repeated")
+      ->type_name("NAME");
+  command.add_option("--seeds", choice.seeds, "of a paper: seeds of every training, 1 to N (default: the profile's)")
+      ->check(CLI::Range(1, 10'000));
+  command.add_option("--profile", choice.profile, "of a paper: how much; quick is a miniature (default: paper)");
+}
+
 std::string command_text(const Reproduction& reproduction) {
   const ReproductionChoice& choice = reproduction.choice;
   std::string text = cat("gust reproduce ", reproduction.paper->name);
@@ -152,11 +158,7 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reproduce", "Runs a paper's studies and decides its claims");
   command->add_option("PAPER", options->paper, "the paper: 'paper'")->required();
-  command->add_option("--only", options->choice.only, "a figure or table by the name of its study; may be repeated")
-      ->type_name("NAME");
-  command->add_option("--seeds", options->seeds, "seeds of every training, 1 to N (default: the profile's)")
-      ->check(CLI::Range(1, 10'000));
-  command->add_option("--profile", options->choice.profile, "how much: paper, or quick, a miniature (default: paper)");
+  add_choice(*command, options->choice);
   command->add_option("--out", options->out, "result folder (default: ./PAPER.gust)")->type_name("DIR");
   command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
       ->check(CLI::Range(1, 1024));

@@ -1,0 +1,110 @@
+"""gust reproduce: a paper's studies, its claims, and a page that can be made again from the tables alone."""
+
+import csv
+import json
+import shutil
+
+import pytest
+
+QUICK = ["reproduce", "paper", "--profile", "quick", "--threads", "2"]
+
+
+def tables(folder):
+    """Everything that a reproduction found, by file name; not when and where."""
+    files = [path for path in folder.rglob("*.csv") if "store" not in path.parts]
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory, program):
+    """One table under all readings, one seed of each training."""
+    import subprocess
+    folder = tmp_path_factory.mktemp("small")
+    done = subprocess.run([program, *QUICK, "--only", "table-dr", "--seeds", "1"], cwd=folder, capture_output=True,
+                          text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return folder, done
+
+
+def test_answer_names_the_claims_and_says_that_it_is_a_miniature(small):
+    _, done = small
+    assert done.stdout.startswith("A miniature: ")
+    for claim in ["C58", "C59", "C60", "C61"]:
+        assert f"\n{claim}  undecided " in done.stdout
+    assert "Of 4 claims 0 hold, 0 fail, 4 are undecided and 0 cannot be tested" in done.stdout
+    assert done.stdout.endswith("Page: paper.gust/report.html\n")
+
+
+def test_verdicts_have_numbers_under_each_reading_that_bears_on_them(small):
+    folder, _ = small
+    with open(folder / "paper.gust/claims.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["id"] == "C60"]
+    assert [row["reading"] for row in rows] == [
+        "scg-2022", "scg-default", "fixed start", "rmse of safe-control-gym", "root of the sum", "as printed"]
+    for row in rows[:-1]:
+        assert row["verdict"] in ("undecided", "not testable") and row["seeds"] == "1" and float(row["estimate"])
+    assert rows[-1]["verdict"] == "holds"
+    assert float(rows[-1]["estimate"]) == 0.181  # of the constant 0.325
+
+
+def test_table_stands_beside_the_papers(small):
+    folder, _ = small
+    text = (folder / "paper.gust/reproduce.md").read_text()
+    assert "## Table S1: Range of domain randomisation" in text
+    assert "| params x8 | 6.88 → " in text
+
+
+def test_page_and_text_are_made_again_from_the_tables_alone(gust, tmp_path, small):
+    shutil.copytree(small[0] / "paper.gust", tmp_path / "copy", ignore=shutil.ignore_patterns("store"))
+    before = {name: (tmp_path / "copy" / name).read_bytes() for name in ["report.html", "reproduce.md"]}
+    for name in before:
+        (tmp_path / "copy" / name).unlink()
+
+    assert gust("report", "copy").stdout == "copy/report.html\n"
+
+    assert {name: (tmp_path / "copy" / name).read_bytes() for name in before} == before
+
+
+def test_run_again_does_nothing_and_finds_the_same(gust, tmp_path, small):
+    shutil.copytree(small[0], tmp_path / "again")
+    done = gust(*QUICK, "--only", "table-dr", "--seeds", "1", "--json", cwd=tmp_path / "again", seconds=60)
+    assert done.stderr == ""  # no progress: nothing was missing
+    assert tables(tmp_path / "again/paper.gust") == tables(small[0] / "paper.gust")
+    answer = json.loads(done.stdout)
+    assert answer["profile"] == "quick" and len(answer["claims"]) == 4 * 6 and answer["failures"] == []
+
+
+def test_figure_without_trainings_takes_no_time_and_keeps_its_episodes(gust, tmp_path):
+    gust(*QUICK, "--only", "disturbances", seconds=60)
+    assert len(list((tmp_path / "paper.gust/scg-2022").glob("disturbances-*.json"))) == 6
+    page = (tmp_path / "paper.gust/report.html").read_text()
+    assert "The five disturbances" in page and '"episodes":[{' in page
+
+
+@pytest.mark.parametrize(("arguments", "message"), [
+    (["paperr"], "there is no reproduction 'paperr'; did you mean 'paper'?"),
+    (["paper", "--profile", "quik"], "unknown profile 'quik'; did you mean 'quick'?"),
+    (["paper", "--only", "wite"], "unknown figure 'wite'; did you mean 'white'?"),
+    (["paper", "--seeds", "0"], "--seeds"),
+    (["paper", "--out", "/proc/x"], "/proc/x"),
+    ([], "PAPER is required"),
+])
+def test_misuse_is_told_before_any_work(gust, tmp_path, arguments, message):
+    done = gust("reproduce", *arguments, code=2, seconds=60)
+    assert message in done.stderr
+    assert not (tmp_path / "paper.gust").exists()
+
+
+def test_tables_that_were_tampered_with_are_errors(gust, tmp_path, small):
+    shutil.copytree(small[0] / "paper.gust", tmp_path / "copy", ignore=shutil.ignore_patterns("store"))
+    cells = tmp_path / "copy/scg-2022/table-dr.csv"
+    good = cells.read_text()
+    for bad, message in [(good.replace("\nPPO,", "\nPPI,", 1), "the study has no policy 'PPI'"),
+                         (good.replace(",rmse_paper,", ",rmse_papre,", 1), "did you mean 'rmse_paper'?"),
+                         (good[:-1].rpartition(",")[0], "cells where the header has"), ("", "the file is empty")]:
+        cells.write_text(bad)
+        assert message in gust("report", "copy", code=2).stderr
+    cells.unlink()
+    assert "table-dr.csv" in gust("report", "copy", code=2).stderr
+    (tmp_path / "copy/reproduction.json").write_text("{}")
+    assert "reproduction.json: is no description of a reproduction" in gust("report", "copy", code=2).stderr
