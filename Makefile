@@ -4,7 +4,7 @@ JOBS ?= $(shell nproc)
 VERBOSE_CTEST := --output-on-failure --no-tests=error
 
 .DEFAULT_GOAL := release
-.PHONY: release demo check sanitize bench format docs install clean help
+.PHONY: release demo check test sanitize build-tests build-sanitized bench format docs install clean help
 
 release: ## Build the program: build/release/gust
 	scripts/install-deps build
@@ -15,19 +15,24 @@ demo: release ## Run the demo studies: train, disturb, measure; prints the margi
 	$(RELEASE)/gust run studies/demo-quadrotor.toml --out build/demo-quadrotor.gust
 	$(RELEASE)/gust run studies/demo.toml --out build/demo.gust
 
-check: ## Install, build and run every test but the sanitized ones
+check: build-tests build-sanitized ## Install, build and run every test, also under sanitizers, and a minute of each fuzz target
+	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST)
+
+test: build-tests ## The same without sanitizers and fuzz targets
+	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -LE 'sanitizers|fuzz'
+
+sanitize: build-tests build-sanitized ## Those alone
+	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -L 'sanitizers|fuzz'
+
+build-tests:
 	scripts/install-deps check
 	scripts/make-venv
 	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON
 	cmake --build --preset release
-	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -LE 'sanitizers|fuzz'
 
-sanitize: ## The unit tests under sanitizers, and a minute of each fuzz target
-	scripts/install-deps check
-	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON
+build-sanitized:
 	cmake --preset asan
 	cmake --build --preset asan
-	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -L 'sanitizers|fuzz'
 
 bench: ## Build and run the benchmarks; JSON in build/bench
 	scripts/install-deps bench

@@ -15,6 +15,6 @@ foreach(line IN LISTS lines)
   endif()
   string(REGEX REPLACE "[],()\"\\]" "?" filter "${line}")
   string(APPEND script "add_test([==[${line}]==] [==[${PROGRAM}]==] [==[--test-case=${filter}]==])\n"
-    "set_tests_properties([==[${line}]==] PROPERTIES LABELS ${LABEL} TIMEOUT 300 FAIL_REGULAR_EXPRESSION \"test cases: +0 \")\n")
+    "set_tests_properties([==[${line}]==] PROPERTIES LABELS ${LABEL} TIMEOUT 900 FAIL_REGULAR_EXPRESSION \"test cases: +0 \")\n")
 endforeach()
 file(WRITE ${LIST} "${script}")

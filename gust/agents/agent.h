@@ -80,6 +80,8 @@ class Agent {
   virtual std::int64_t steps() const = 0;  ///< environment steps of a full training
   /// Floating-point operations of one such step with what is learned from it, about: what predicted times scale with.
   virtual double work() const = 0;
+  /// Whether it disturbs its own training.
+  virtual bool disturbs() const { return false; }
   /// Bytes that grow during a training of this plant, at their most: a memory of transitions.
   virtual std::uint64_t memory(const PlantSpec&) const { return 0; }
   /// Throws Error at the place if it cannot train on such a plant.

@@ -10,6 +10,7 @@ class Rap final : public Agent {
   explicit Rap(const RapOptions& options) : options_(options) {}
   std::int64_t steps() const override { return options_.steps; }
   double work() const override { return options_.work(); }
+  bool disturbs() const override { return true; }
   void check(const PlantSpec& spec, const Place& place) const override { options_.check_plant(spec, place); }
   std::unique_ptr<Training> start(const TrainingTask& task) const override {
     return std::make_unique<RapTraining>(options_, task);

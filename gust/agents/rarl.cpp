@@ -10,6 +10,7 @@ class Rarl final : public Agent {
   explicit Rarl(const RarlOptions& options) : options_(options) {}
   std::int64_t steps() const override { return options_.steps; }
   double work() const override { return options_.work(); }
+  bool disturbs() const override { return true; }
   void check(const PlantSpec& spec, const Place& place) const override { options_.check_plant(spec, place); }
   std::unique_ptr<Training> start(const TrainingTask& task) const override {
     return std::make_unique<RarlTraining>(options_, task);

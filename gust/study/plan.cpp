@@ -25,9 +25,39 @@ void name_trial(Trial& trial, std::string_view label) {
   trial.id = cat(slug(label, 40), "-", hash_hex(trial.canonical).substr(0, 20));
 }
 
+std::string common_text(const std::string& preset, const std::string& plant, const Readings& readings) {
+  return cat("preset ", preset, "\nplant ", plant, "\nreadings ", canonical_fields(readings), "\n");
+}
+
 std::string common_text(const Study& study) {
-  return cat("preset ", study.setup.preset, "\nplant ", study.setup.plant.canonical, "\nreadings ",
-             canonical_fields(study.setup.readings), "\n");
+  return common_text(study.setup.preset, study.setup.plant.canonical, study.setup.readings);
+}
+
+/// Whether commands clipped to the policy's box are those that the actuator would clip anyway.
+bool box_is_actuator(const PlantSpec& spec) {
+  if (!spec.normalized_action) return true;
+  for (std::size_t i = 0; i < spec.action.size(); ++i) {
+    if (spec.action_offset[i] - spec.action_scale[i] != spec.action_low[i] ||
+        spec.action_offset[i] + spec.action_scale[i] != spec.action_high[i])
+      return false;
+  }
+  return true;
+}
+
+/// What a training stands on. Where nothing is disturbed, nobody can tell where a force would pull, nor, as long as the
+/// reward does not charge the sum that is clipped, when the actuator clips it: such trainings have one text and are
+/// shared.
+std::string training_text(const Study& study, const StudyPolicy& policy) {
+  if (!policy.disturbed.empty() || policy.agent->disturbs()) return common_text(study);
+  Readings readings = study.setup.readings;
+  std::string plant = study.setup.plant.canonical;
+  const std::string pulled = cat("tap_point = \"", readings.tap_point, "\"");
+  readings.tap_point = Readings{}.tap_point;
+  if (const std::size_t at = plant.find(pulled); at != std::string::npos)
+    plant.replace(at, pulled.size(), cat("tap_point = \"", readings.tap_point, "\""));
+  if (readings.effort != "disturbed" && box_is_actuator(study.setup.plant->spec()))
+    readings.saturate = Readings{}.saturate;
+  return common_text(study.setup.preset, plant, readings);
 }
 
 std::string injections_text(const std::vector<Injection>& injections) {
@@ -84,7 +114,7 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
   const StudyPolicy& trained = study.policies[policy];
   Trial trial{.kind = Trial::Kind::kTrain, .policy = policy, .member = member};
   trial.canonical =
-      cat("train v", kTrainVersion, "\n", common_text(study), "agent ", trained.agent.canonical, "\n",
+      cat("train v", kTrainVersion, "\n", training_text(study, trained), "agent ", trained.agent.canonical, "\n",
           injections_text(trained.disturbed), randomised_text(study, trained), "seed ", trained.seeds[member], "\n");
   trial.what = cat("train ", member_label(trained, member));
   if (!trained.randomised.draws.empty())

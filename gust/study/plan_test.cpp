@@ -62,3 +62,32 @@ TEST_CASE("the common levels reach half beyond the greatest failure level") {
   CHECK(levels.back() == 6.0);
   CHECK(common_levels({INFINITY}, 60.0).back() == 60.0);
 }
+
+namespace {
+
+/// The name of a training under some settings.
+std::string training_under(std::string_view agent, const std::vector<std::string>& settings) {
+  const std::string text = cat("schema = 1\nname = \"t\"\nplant = { kind = \"cartpole\", preset = \"scg-2022\" }\n",
+                               "[[policy]]\nname = \"p\"\nkind = \"train\"\nagent = ", agent, "\n");
+  return expand(small_study(settings, text), {}).trials.front().id;
+}
+
+}  // namespace
+
+TEST_CASE("an undisturbed training is shared by readings that it cannot tell apart") {
+  constexpr std::string_view kPpo = "{ kind = \"ppo\", steps = 400 }";
+  const std::string before = training_under(kPpo, {});
+  CHECK(training_under(kPpo, {"readings.saturate=before"}) == before);
+  CHECK(training_under(kPpo, {"readings.tap_point=tip"}) == before);
+  CHECK(training_under(kPpo, {"readings.effort=applied"}) != before);
+  CHECK(training_under(kPpo, {"readings.effort=disturbed", "readings.saturate=before"}) !=
+        training_under(kPpo, {"readings.effort=disturbed"}));
+
+  for (const std::string_view agent :
+       {"{ kind = \"rap\", steps = 400 }", "{ kind = \"rarl\", steps = 400 }",
+        "{ kind = \"ppo\", steps = 400, disturb = [{ site = \"action\", waveform = \"white\", level = 1 }] }"}) {
+    CAPTURE(agent);
+    CHECK(training_under(agent, {"readings.saturate=before"}) != training_under(agent, {}));
+    CHECK(training_under(agent, {"readings.tap_point=tip"}) != training_under(agent, {}));
+  }
+}

@@ -190,3 +190,22 @@ TEST_CASE("a folder with other things in it is left alone") {
 
   CHECK_THROWS_AS(StudyFolder(folder.path).keep(small_study(), {}), Error);
 }
+
+TEST_CASE("readings that share a training give it the same bits") {
+  const auto trained = [](const std::vector<std::string>& settings) {
+    const ScratchFolder folder("gust-run-readings");
+    const Store store(folder.path / "store", Store::Access::write);
+    Study study = small_study(settings, R"(schema = 1
+name = "t"
+plant = { kind = "cartpole", preset = "scg-2022" }
+policy = [{ name = "ppo", kind = "train", agent = { kind = "ppo", steps = 2000 } },
+          { name = "sac", kind = "train", agent = { kind = "sac", steps = 1200, hidden = 16 } }]
+)");
+    const Plan plan = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}}).plan;
+    return store.load("train", plan.trials[0].id)->read(kPolicyFile) +
+           store.load("train", plan.trials[1].id)->read(kPolicyFile);
+  };
+  const std::string before = trained({});
+  CHECK(trained({"readings.saturate=before"}) == before);
+  CHECK(trained({"readings.tap_point=tip"}) == before);
+}

@@ -111,7 +111,7 @@ void command_plan(CLI::App& app, int&) {
   command->add_flag("--json", options->json, "as a JSON array");
   command->footer("Examples:\n  gust plan studies/demo.toml\n  gust plan paper --profile quick");
   command->callback([options] {
-    const bool is_paper = options->study == "paper" && !std::filesystem::exists(options->study);
+    const bool is_paper = options->study == "paper" && !std::filesystem::is_regular_file(options->study);
     is_paper ? plan_paper(*options) : plan_study(*options);
   });
 }
