@@ -114,6 +114,21 @@ TEST_CASE("equal seeds train equal policies, other seeds others") {
   CHECK_FALSE(equal_actors(*trainings[0], *trainings[2]));
 }
 
+TEST_CASE("a shorter training is the beginning of a longer one, to the bit, unless rates depend on its end") {
+  const auto plant = cartpole();
+  const TrainingTask task{plant.object.get(), {}, {}, 5};
+  const auto after = [&](Options options, std::int64_t steps, std::int64_t total) {
+    options.push_back({"steps", integer(total)});
+    auto training = ppo(options)->start(task);
+    while (training->steps() < steps) training->advance();
+    return training;
+  };
+
+  CHECK(equal_actors(*after({}, 8000, 8000), *after({}, 8000, 32'000)));
+  const Options decaying = {{"rate_decay", text("linear")}};
+  CHECK_FALSE(equal_actors(*after(decaying, 8000, 8000), *after(decaying, 8000, 32'000)));
+}
+
 TEST_CASE("the learning curve disturbs no other stream") {
   const auto plant = cartpole();
   const auto agent = ppo({{"steps", integer(20'000)}});

@@ -24,6 +24,7 @@ struct ReproductionPage {
     Page::Estimate measured;
     std::size_t seeds = 0;  ///< the fewest of any policy that was asked; 0 if none was trained
     std::string reason;     ///< a sentence
+    bool printed = false;   ///< it is about the paper's own numbers, not ours
   };
 
   struct Claim {

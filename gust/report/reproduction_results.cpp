@@ -134,7 +134,8 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
                                 verdict->verdict.ruling,
                                 {measured.estimate, measured.low, measured.high},
                                 verdict->seeds,
-                                verdict->verdict.reason});
+                                verdict->verdict.reason,
+                                paper.readings[verdict->reading].printed});
     }
     page.claims.push_back(std::move(shown));
   }

@@ -186,7 +186,7 @@ std::string folded(const ReproductionPage& page, const ReproductionPage::Claim& 
   if (others.empty() && claim.formula.empty()) return "";
   std::string stamps;
   for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
-    const auto& [reading, ruling, measured, seeds, reason] = claim.verdicts[i];
+    const auto& [reading, ruling, measured, seeds, reason, printed] = claim.verdicts[i];
     stamps += stamp(ruling, cat(escaped(page.readings[reading].name), ": ", ruling_name(ruling)));
   }
   const bool asked = !claim.formula.empty();
@@ -211,13 +211,11 @@ std::string mark_shapes() {
 }
 
 bool hangs_on_reading(const ReproductionPage::Claim& claim) {
-  Ruling first = Ruling::not_testable;
-  for (const auto& verdict : claim.verdicts) {
-    if (verdict.ruling == Ruling::not_testable) continue;
-    if (first == Ruling::not_testable) first = verdict.ruling;
-    if (verdict.ruling != first) return true;
-  }
-  return false;
+  const auto some = [&](Ruling ruling) {
+    return std::ranges::any_of(claim.verdicts,
+                               [&](const auto& verdict) { return verdict.ruling == ruling && !verdict.printed; });
+  };
+  return some(Ruling::holds) && some(Ruling::fails);
 }
 
 std::string verdict_picture(const ReproductionPage& page) {
@@ -228,10 +226,12 @@ std::string verdict_picture(const ReproductionPage& page) {
   const bool hang = std::ranges::any_of(page.claims, hangs_on_reading);
   const std::string reading =
       page.readings.empty() ? "" : cat("Judged under the main reading, ", escaped(page.readings.front().name), ".");
-  return cat("<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
-             "</dl>\n<p class=\"note\">", reading, "</p>",
-             hang ? "<p class=\"note\"><span class=\"fold\"></span> Another reading decides differently.</p>" : "",
-             "</div></div>\n");
+  return cat(
+      "<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
+      "</dl>\n<p class=\"note\">", reading, "</p>",
+      hang ? "<p class=\"note\"><span class=\"fold\"></span> It holds under one reading and fails under another.</p>"
+           : "",
+      "</div></div>\n");
 }
 
 std::string reading_table(const ReproductionPage& page) {

@@ -21,7 +21,7 @@ std::string reading_table(const ReproductionPage& page);
 /// One claim with all that was found about it, as an item of a list.
 std::string claim_html(const ReproductionPage& page, const ReproductionPage::Claim& claim);
 
-/// Whether two readings decide a claim differently; that one cannot test it is no difference.
+/// Whether a claim holds in our numbers under one reading and fails under another.
 bool hangs_on_reading(const ReproductionPage::Claim& claim);
 
 }  // namespace gust
