@@ -30,7 +30,7 @@ def test_answer_names_the_claims_and_says_that_it_is_a_miniature(small):
     _, done = small
     assert done.stdout.startswith("A miniature: ")
     for claim in ["C58", "C59", "C60", "C61"]:
-        assert f"\n{claim}  undecided " in done.stdout
+        assert f"\n{claim}  undecided (1) " in done.stdout
     assert "Of 4 claims 0 hold, 0 fail, 4 are undecided and 0 cannot be tested" in done.stdout
     assert done.stdout.endswith("Page: paper.gust/report.html\n")
 

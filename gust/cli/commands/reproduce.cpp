@@ -61,6 +61,12 @@ PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& o
   return results;
 }
 
+/// "undecided (2)" where that few seeds cannot decide anything.
+std::string ruling_text(const PaperVerdict& verdict) {
+  const std::string name(ruling_name(verdict.verdict.ruling));
+  return verdict.seeds > 0 && verdict.seeds < kSeedsForVerdict ? cat(name, " (", verdict.seeds, ")") : name;
+}
+
 std::string verdicts_text(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   std::string text;
@@ -70,8 +76,8 @@ std::string verdicts_text(const PaperResults& results) {
     if (on.empty()) continue;
     const auto same = std::ranges::count_if(
         on, [&](const PaperVerdict* verdict) { return verdict->verdict.ruling == on.front()->verdict.ruling; });
-    text += fmt::format("{:<4} {:<13} {:>2}/{:<2}  {}\n", paper.claims[c].id, ruling_name(on.front()->verdict.ruling),
-                        same, on.size(), paper.claims[c].text);
+    text += fmt::format("{:<4} {:<14} {:>2}/{:<2}  {}\n", paper.claims[c].id, ruling_text(*on.front()), same, on.size(),
+                        paper.claims[c].text);
   }
   text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
   for (const std::string& sentence : findings(results)) text += cat(sentence, "\n");
