@@ -1,6 +1,8 @@
 """What the browser tests of the page share."""
 
+import contextlib
 import pathlib
+import time
 
 from playwright.sync_api import expect
 
@@ -39,3 +41,28 @@ def downloaded(page, figure, button):
 
 def seconds(page):
     return float(page.locator("#figure-replay .readout dd").first.inner_text().split()[0])
+
+
+@contextlib.contextmanager
+def stays_small_and_opens_quickly(browser, path):
+    """Opens a large page; in the end it must have complained of nothing, be smaller than 20 MB and have worked under 3 s."""
+    page = browser.new_page(viewport=DESKTOP)
+    complaints = Complaints()
+    complaints.watch(page)
+    watch = page.context.new_cdp_session(page)
+    watch.send("Performance.enable", {"timeDomain": "threadTicks"})
+    started = time.monotonic()
+    page.goto(path.as_uri(), wait_until="commit")
+    page.wait_for_selector("html[data-ready]", state="attached", timeout=60000)
+    waited = time.monotonic() - started
+    metrics = {one["name"]: one["value"] for one in watch.send("Performance.getMetrics")["metrics"]}
+
+    yield page
+
+    page.close()
+    size = path.stat().st_size / 1e6
+    worked = metrics["TaskDuration"]  # of the page's thread: other programs beside this test do not count
+    print(f"{path.name}: {size:.1f} MB, opens after {waited:.2f} s, {worked:.2f} s of them work")
+    assert size < 20
+    assert 0 < worked < 3
+    assert complaints == []

@@ -2,13 +2,10 @@
 
 import json
 import re
-import time
 
 import pytest
-from browsing import DESKTOP, PHONE, Complaints, chart, downloaded
+from browsing import PHONE, chart, downloaded, stays_small_and_opens_quickly
 from playwright.sync_api import expect
-
-MEGABYTE = 1e6
 
 
 @pytest.mark.parametrize(
@@ -224,25 +221,6 @@ def test_the_printed_page_is_light_and_holds_its_charts(opened):
 
 
 def test_a_study_of_100000_cells_stays_small_and_opens_quickly(browser, fixture_file):
-    path = fixture_file("large")
-    page = browser.new_page(viewport=DESKTOP)
-    complaints = Complaints()
-    complaints.watch(page)
-    watch = page.context.new_cdp_session(page)
-    watch.send("Performance.enable", {"timeDomain": "threadTicks"})
-
-    started = time.monotonic()
-    page.goto(path.as_uri(), wait_until="commit")
-    page.wait_for_selector("html[data-ready]", state="attached", timeout=60000)
-    waited = time.monotonic() - started
-    metrics = {one["name"]: one["value"] for one in watch.send("Performance.getMetrics")["metrics"]}
-    chart(page, "curves")
-    expect(page.locator("aside")).to_contain_text("Left out, to keep this page small: curves of")
-    page.close()
-
-    size = path.stat().st_size / MEGABYTE
-    worked = metrics["TaskDuration"]  # of the page's thread: other programs beside this test do not count
-    print(f"100,000 cells: {size:.1f} MB, opens after {waited:.2f} s, {worked:.2f} s of them work")
-    assert size < 20
-    assert 0 < worked < 3
-    assert complaints == []
+    with stays_small_and_opens_quickly(browser, fixture_file("large")) as page:
+        chart(page, "curves")
+        expect(page.locator("aside")).to_contain_text("Left out, to keep this page small: curves of")

@@ -1,13 +1,11 @@
 """A paper's reproduction in a real browser: the picture of the verdicts leads to the claims, and every figure lives on its own."""
 
 import re
-import time
 
 import pytest
-from browsing import DESKTOP, PHONE, Complaints
+from browsing import PHONE, stays_small_and_opens_quickly
 from playwright.sync_api import expect
 
-MEGABYTE = 1e6
 CHARTS = {"learning": ["learning"], "white": ["curves", "survival"], "plant": ["parameters", "grids"]}
 
 
@@ -217,25 +215,5 @@ def test_a_button_draws_every_chart_and_prints(opened):
 
 
 def test_a_reproduction_of_19_crowded_figures_stays_small_and_opens_quickly(browser, fixture_file):
-    path = fixture_file("large-reproduction")
-    page = browser.new_page(viewport=DESKTOP)
-    complaints = Complaints()
-    complaints.watch(page)
-    watch = page.context.new_cdp_session(page)
-    watch.send("Performance.enable", {"timeDomain": "threadTicks"})
-
-    started = time.monotonic()
-    page.goto(path.as_uri(), wait_until="commit")
-    page.wait_for_selector("html[data-ready]", state="attached", timeout=60000)
-    waited = time.monotonic() - started
-    metrics = {one["name"]: one["value"] for one in watch.send("Performance.getMetrics")["metrics"]}
-    drawn = page.locator(".chart .plot svg").count()
-    page.close()
-
-    size = path.stat().st_size / MEGABYTE
-    worked = metrics["TaskDuration"]  # of the page's thread: other programs beside this test do not count
-    print(f"19 figures: {size:.1f} MB, opens after {waited:.2f} s, {worked:.2f} s of them work")
-    assert size < 20
-    assert 0 < worked < 3
-    assert drawn < 20  # only what is near the window
-    assert complaints == []
+    with stays_small_and_opens_quickly(browser, fixture_file("large-reproduction")) as page:
+        assert page.locator(".chart .plot svg").count() < 20  # only what is near the window
