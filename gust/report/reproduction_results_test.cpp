@@ -1,0 +1,114 @@
+#include "gust/report/reproduction_results.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "gust/study/study_fixture.h"
+
+using namespace gust;
+
+namespace {
+
+/// A series whose episodes all stand and score 1, but at the last level, where all have fallen.
+Series invented(const Study& study, std::size_t policy, std::size_t sweep, std::size_t start) {
+  Series series{.policy = policy, .sweep = sweep, .start = start};
+  series.cells = sweep == Trial::kNominal ? 1 : study.sweeps[sweep].cells();
+  series.metrics = summarised_metrics(study);
+  series.unit = Unit::seeds;
+  series.units = 5;
+  for (const std::size_t metric : series.metrics) {
+    const std::string& name = study.metric_set.name(metric);
+    for (std::size_t cell = 0; cell < series.cells; ++cell) {
+      const bool fallen = sweep != Trial::kNominal && cell + 1 == series.cells;
+      double value = fallen ? 0.0 : 1.0;
+      if (name == "anr" && fallen) value = 0.5;
+      if (name == "anr_h" && fallen) value = 0.125;
+      if (name == "saturation") value = fallen ? 0.25 : 0.0;
+      series.values.push_back({value, value, value});
+    }
+  }
+  series.has_margin = sweep != Trial::kNominal;
+  const bool regulator = study.policies[policy].kind == StudyPolicy::Kind::kLqr;
+  const double level = regulator && study.sweeps[series.has_margin ? sweep : 0].name == "action white" ? 1.0 : 2.0;
+  series.margin.level = {level, level, level, Unit::seeds, 5};
+  return series;
+}
+
+/// What a run of Figure 4 might have found.
+PaperResults invented_results() {
+  PaperResults results{open_reproduction(paper_at("paper"), {.profile = "paper", .only = {"white"}, .seeds = 5}),
+                       {},
+                       {},
+                       {"train ppo seed 1 failed: a reason | with a bar"},
+                       {{"gust", "test"}}};
+  for (const ReproductionStudy& part : results.reproduction.studies) {
+    Summary& summary = results.summaries.emplace_back();
+    summary.margin_metric = margin_metric(part.study);
+    for (std::size_t policy = 0; policy < part.study.policies.size(); ++policy) {
+      for (std::size_t start = 0; start < 2; ++start) {
+        summary.series.push_back(invented(part.study, policy, Trial::kNominal, start));
+        for (std::size_t sweep = 0; sweep < part.study.sweeps.size(); ++sweep)
+          summary.series.push_back(invented(part.study, policy, sweep, start));
+      }
+    }
+  }
+  const auto found = [&](std::size_t claim, std::size_t reading, Ruling ruling) {
+    results.verdicts.push_back({claim, reading, {0.5, 0.25, 0.75}, {ruling, "a reason"}, 5});
+  };
+  found(5, 0, Ruling::holds);  // C6
+  found(5, 1, Ruling::fails);
+  found(6, 0, Ruling::fails);  // C7
+  found(6, 1, Ruling::undecided);
+  found(7, 0, Ruling::undecided);  // C8
+  return results;
+}
+
+bool says(const std::vector<std::string>& sentences, std::string_view part) {
+  return std::ranges::any_of(sentences, [&](const std::string& s) { return s.find(part) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("findings count verdicts and say what the numbers say") {
+  const PaperResults results = invented_results();
+  const std::vector<std::string> sentences = findings(results);
+
+  CHECK(verdict_counts(results) == std::vector<std::size_t>{1, 1, 1, 0});
+  CHECK(says(sentences, "Of 3 claims 1 hold, 1 fail, 1 are undecided and 0 cannot be tested"));
+  CHECK(says(sentences, "1 claim holds under one reading of the paper and fails under another: C6."));
+  CHECK(says(sentences, "(15 cells of policy, waveform, site and level)"));  // five policies, three sites, one level
+  CHECK(says(sentences, "still averages 0.50; over the whole horizon it is 0.12"));
+  CHECK(says(sentences, "up to 25 % of the control steps (action white at 10 N)"));
+  CHECK(says(sentences, "at least the level of the best agent in 2 of 3 sweeps"));
+  CHECK_FALSE(says(sentences, "trains its adversary"));  // no learning curves here
+}
+
+TEST_CASE("the page and the text of a reproduction hold its figures and claims, and what failed") {
+  const PaperResults results = invented_results();
+  const ReproductionPage page = reproduction_page(results, "gust reproduce paper");
+  REQUIRE(page.figures.size() == 1);
+  CHECK(page.figures[0].claims == std::vector<std::string>{"C6", "C7", "C8"});
+  CHECK(page.figures[0].page.sweeps.size() == 3);
+  CHECK(page.claims[0].verdicts.size() == 2);
+  CHECK(page.warnings == results.failures);
+
+  const std::string text = reproduction_text(results, "gust reproduce paper");
+  CHECK(text.find("| C6: On the dynamics") != std::string::npos);
+  CHECK(text.find("| **holds** | 0.5 [0.25, 0.75] | fails: scg-default |") != std::string::npos);
+  CHECK(text.find("## What failed\n\n- train ppo seed 1 failed") != std::string::npos);
+  CHECK(text.ends_with("bar\n"));
+}
+
+TEST_CASE("results are the same after a way through their folder") {
+  const test::ScratchFolder folder("gust-paper-results");
+  const PaperResults before = invented_results();
+  write_results(before, folder.path);
+  CHECK(holds_results(folder.path));
+  const PaperResults after = read_results(folder.path);
+
+  CHECK(reproduction_text(after, "x") == reproduction_text(before, "x"));
+  CHECK(render_reproduction(reproduction_page(after, "x")) == render_reproduction(reproduction_page(before, "x")));
+  CHECK(after.failures == before.failures);
+  CHECK(after.verdicts.size() == 5);
+}
