@@ -194,10 +194,11 @@ void read_pack_file(const fs::path& file, PackVisitor& visitor) {
 
 }  // namespace
 
-PackCount pack_store(const Store& store, const fs::path& file) {
+PackCount pack_store(const Store& store, const fs::path& file, std::string_view only_kind) {
   PackCount count;
   PackOutput output(file);
   for (const auto& [kind, id] : store.trials()) {
+    if (!only_kind.empty() && kind != only_kind) continue;
     const std::optional<StoredTrial> trial = store.load(kind, id);
     if (!trial) continue;
     add_trial(output, *trial);

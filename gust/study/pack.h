@@ -17,9 +17,9 @@ struct PackCount {
   std::uint64_t bytes = 0;  ///< size of the pack
 };
 
-/// Writes every finished trial of a store into one compressed file. Equal trials give equal bytes, whatever the order
-/// in which they were made. A damaged trial is left out and reported.
-PackCount pack_store(const Store& store, const std::filesystem::path& file);
+/// Writes every finished trial of a store, or those of one kind, into one compressed file. Equal trials give equal
+/// bytes, whatever the order in which they were made. A damaged trial is left out and reported.
+PackCount pack_store(const Store& store, const std::filesystem::path& file, std::string_view only_kind = {});
 
 /// Reads a pack to its end. One that is damaged, or made to do harm, is an Error.
 void check_pack(const std::filesystem::path& file);

@@ -100,6 +100,7 @@ TEST_CASE("packing leaves a damaged trial out, and unpacking puts it right") {
   put_file(folder / "s/sweep/a/rows.bin", "numbars");
 
   CHECK(pack_store(Store(folder / "s", Store::Access::read), folder / "one.pack").trials == 1);
+  CHECK(pack_store(Store(folder / "s", Store::Access::read), folder / "none.pack", "no such kind").trials == 0);
   const PackCount count = unpack_store(folder / "both.pack", store);
 
   CHECK(count.trials == 1);

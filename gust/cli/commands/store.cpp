@@ -10,6 +10,7 @@ namespace {
 struct Options {
   std::string folder;
   std::string file;
+  bool trainings = false;
 };
 
 /// "2.5 kB", "13.1 MB".
@@ -20,7 +21,7 @@ std::string size_text(std::uint64_t bytes) {
 
 void pack(const Options& options) {
   const Store store(StudyFolder(options.folder).store(), Store::Access::read, tell);
-  const PackCount count = pack_store(store, options.file);
+  const PackCount count = pack_store(store, options.file, options.trainings ? kind_name(Trial::Kind::kTrain) : "");
   fmt::print("{}: {} trials, {}\n", options.file, count.trials, size_text(count.bytes));
 }
 
@@ -49,6 +50,7 @@ void command_store(CLI::App& app, int&) {
 
   CLI::App* packing = store->add_subcommand("pack", "Writes the finished trials of DIR into one compressed FILE");
   add_arguments(*packing, options, /*folder_first=*/true);
+  packing->add_flag("--trainings", options->trainings, "only what takes long; the rest is measured again from it");
   packing->footer("Example:\n  gust store pack demo.gust demo.pack");
   packing->callback([options] { pack(*options); });
 
