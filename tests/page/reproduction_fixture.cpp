@@ -113,7 +113,7 @@ ReproductionPage reproduction_page() {
   page.label = "Miniature: two seeds and short trainings. It shows that everything runs; it decides nothing.";
   page.findings = {"Of the twelve claims four hold and three fail.",
                    "What the paper says about white noise stands; its ranking under impulses does not.",
-                   "Two claims hang on what the paper leaves open."};
+                   "One claim hangs on what the paper leaves open."};
   page.warnings = {"One trial of 64 diverged and is missing."};
   page.readings = {{"scg-2022", "The simulator as it was when the paper was written: the pole starts upright."},
                    {"scg-default", "The simulator's defaults of today: random starts."},
