@@ -9,6 +9,8 @@
 namespace gust {
 namespace {
 
+constexpr std::string_view kLevel = "{level}";
+
 Page::Estimate shown(const Estimate& estimate) { return {estimate.value, estimate.low, estimate.high}; }
 
 std::size_t start_named(const Study& study, const std::string& name) {
@@ -43,31 +45,52 @@ std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const Pape
   return cells;
 }
 
-/// A heat map of policies that differ in the level of their training: rows are their levels, columns those of the test.
-std::optional<Page::Grid> map_of(const PaperMap& map, const Study& study, const Summary& summary, const Page& page) {
-  const auto sweep = std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
-  if (sweep == study.sweeps.end()) return std::nullopt;
-  const std::vector<double>& levels = sweep->axes.front().values;
-  const std::string unit = sweep->unit(study.setup.plant->spec());
-  Page::Grid grid{map.name, {"level in the test", unit, levels}, {"level in training", unit, levels}, {}, ""};
-  const auto sweep_index = static_cast<std::size_t>(sweep - study.sweeps.begin());
-  for (std::size_t start = 0; start < study.starts.size(); ++start) {
-    for (std::size_t m = 0; m < page.metrics.size(); ++m) {
-      Page::Grid::Layer layer{0, start, m, {}};
-      for (const double level : levels) {
-        std::string name = map.policies;
-        name.replace(name.find("{level}"), 7, cat(level));
-        const auto policy = std::ranges::find(study.policies, name, &StudyPolicy::name);
-        if (policy == study.policies.end()) return std::nullopt;
-        layer.policy = static_cast<std::size_t>(policy - study.policies.begin());
-        const Series* series = summary.find(layer.policy, sweep_index, start);
-        for (std::size_t cell = 0; cell < levels.size(); ++cell)
-          layer.values.push_back(series ? series->at(summarised_metrics(study)[m], cell).value : Page::kUnknown);
-      }
-      grid.layers.push_back(std::move(layer));
-    }
+/// The scores of one map from one start: rows are the levels of the trainings, columns those of the test. Empty where
+/// the study lacks a policy.
+std::vector<double> map_values(const PaperMap& map, const Study& study, const Summary& summary, std::size_t sweep,
+                               const Page::Grid::Layer& layer) {
+  const std::vector<double>& levels = study.sweeps[sweep].axes.front().values;
+  std::vector<double> values;
+  for (const double level : levels) {
+    std::string name = map.policies;
+    name.replace(name.find(kLevel), kLevel.size(), cat(level));
+    const auto policy = std::ranges::find(study.policies, name, &StudyPolicy::name);
+    if (policy == study.policies.end()) return {};
+    const Series* series = summary.find(static_cast<std::size_t>(policy - study.policies.begin()), sweep, layer.start);
+    for (std::size_t cell = 0; cell < levels.size(); ++cell)
+      values.push_back(series ? series->at(summarised_metrics(study)[layer.metric], cell).value : Page::kUnknown);
   }
-  return grid;
+  return values;
+}
+
+/// A page of maps in place of the policies that they are made of.
+void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summary& summary, Page& page) {
+  page.policies.clear();
+  page.curves.clear();
+  page.margins.clear();
+  page.worst.clear();
+  page.learning.clear();
+  page.episodes.clear();
+  for (const PaperMap& map : maps) {
+    const auto sweep = std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
+    if (sweep == study.sweeps.end()) continue;
+    auto grid = std::ranges::find(page.grids, map.sweep, &Page::Grid::name);
+    if (grid == page.grids.end()) {
+      const std::string unit = sweep->unit(study.setup.plant->spec());
+      const std::vector<double>& levels = sweep->axes.front().values;
+      page.grids.push_back(
+          {map.sweep, {"level in the test", unit, levels}, {"level in training", unit, levels}, {}, ""});
+      grid = page.grids.end() - 1;
+    }
+    for (std::size_t start = 0; start < study.starts.size(); ++start) {
+      for (std::size_t metric = 0; metric < page.metrics.size(); ++metric) {
+        Page::Grid::Layer layer{page.policies.size(), start, metric, {}};
+        layer.values = map_values(map, study, summary, static_cast<std::size_t>(sweep - study.sweeps.begin()), layer);
+        if (!layer.values.empty()) grid->layers.push_back(std::move(layer));
+      }
+    }
+    page.policies.push_back({map.name, map.policies, 1});
+  }
 }
 
 ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t index) {
@@ -88,9 +111,7 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
       study, summary, {cat("gust run studies/paper/", figure.study, ".toml"), cat(figure.study, ".gust"), "", {}, {}});
   drawn.page.study_text.clear();
   drawn.page.claims.clear();
-  for (const PaperMap& map : figure.maps) {
-    if (std::optional<Page::Grid> grid = map_of(map, study, summary, drawn.page)) drawn.page.grids.push_back(*grid);
-  }
+  if (!figure.maps.empty()) draw_maps(figure.maps, study, summary, drawn.page);
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     if (paper.claims[c].figure == figure.study && !results.on(c).empty()) drawn.claims.push_back(paper.claims[c].id);
   }

@@ -92,6 +92,8 @@ PaperFigure parse_figure(const Table& table) {
       check_keys(map, {"name", "policies", "sweep"}, "a heat map");
       figure.maps.push_back({required_text(map, "name", "a heat map"), required_text(map, "policies", "a heat map"),
                              required_text(map, "sweep", "a heat map")});
+      if (figure.maps.back().policies.find("{level}") == std::string::npos)
+        throw error_at(map.place, "'policies' must hold {level}");
     });
   }
   return figure;
