@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 #include "gust/core/error.h"
@@ -116,6 +117,13 @@ double CsvTable::number(std::size_t record, std::string_view column) const {
   if (error != std::errc{} || end != cell.data() + cell.size())
     throw Error(cat(place(record), ": '", cell, "' is no number (column '", column, "')"));
   return number;
+}
+
+std::uint64_t CsvTable::whole(std::size_t record, std::string_view column) const {
+  const double value = number(record, column);
+  if (!(value >= 0) || value > 9e15 || value != std::floor(value))
+    throw Error(cat(place(record), ": '", text(record, column), "' is no whole number (column '", column, "')"));
+  return static_cast<std::uint64_t>(value);
 }
 
 std::string CsvTable::place(std::size_t record) const { return cat(name_, ":", lines_.at(record)); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,8 @@ class CsvTable {
   const std::string& text(std::size_t record, std::string_view column) const;
   /// The cell as a number; NaN if it is empty. Throws Error with the line if it is none.
   double number(std::size_t record, std::string_view column) const;
+  /// The cell as a whole number, 0 or more. Throws Error with the line if it is none.
+  std::uint64_t whole(std::size_t record, std::string_view column) const;
   /// "name:line", for messages.
   std::string place(std::size_t record) const;
 

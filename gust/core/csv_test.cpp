@@ -25,6 +25,9 @@ TEST_CASE("numbers of cells are exact, and empty ones are none") {
   CHECK(std::isnan(table.number(0, "y")));
   CHECK(table.number(1, "x") == -std::numeric_limits<double>::infinity());
   CHECK(table.number(1, "y") == 1e300);
+  CHECK_THROWS_WITH_AS(table.whole(0, "x"), "numbers.csv:2: '0.1' is no whole number (column 'x')", Error);
+  CHECK_THROWS_WITH_AS(table.whole(0, "y"), "numbers.csv:2: '' is no whole number (column 'y')", Error);
+  CHECK(CsvTable("n\n12\n", "n.csv").whole(0, "n") == 12);
   CHECK(table.has("x"));
   CHECK_FALSE(table.has("z"));
 }

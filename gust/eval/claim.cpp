@@ -132,7 +132,10 @@ Finding judge(const Formula& formula, const FormulaNames& names, const FormulaDa
   } catch (const NotTestable& missing) {
     return {{}, {Ruling::not_testable, missing.what()}};
   }
-  const Interval measured = interval_of(judged.measured);
+  Interval measured = interval_of(judged.measured);
+  for (double* end : {&measured.estimate, &measured.low, &measured.high}) {
+    if (std::abs(*end) < std::numeric_limits<double>::min()) *end = 0.0;  // what strict relations between equals give
+  }
   const Interval margin = interval_of(judged.truth.margin);
   const std::string found = interval_text(measured);
   if (std::isnan(margin.estimate)) return {measured, {Ruling::not_testable, "the estimate is not a number"}};

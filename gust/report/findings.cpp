@@ -89,6 +89,7 @@ std::string early_failure_sentence(const PaperResults& results) {
   });
   if (cells == 0) return "";
   const auto count = static_cast<double>(cells);
+  if (literal < 1.5 * honest) return "";  // then it hides nothing
   return fmt::format(
       "Where practically every episode fails ({} cells of policy, waveform, site and level) the paper's return over "
       "length "
@@ -114,28 +115,39 @@ std::string saturation_sentence(const PaperResults& results) {
              where, "), so that what is injected there reaches the plant only in part.");
 }
 
+/// Whether a policy's undisturbed score is one that margins are ranked from (decision 4).
+bool stands_undisturbed(const PaperResults& results, const Study& study, const Series& series) {
+  const Summary& summary = *results.summary(0, study.name);
+  double best = 0;
+  for (std::size_t policy = 0; policy < study.policies.size(); ++policy) {
+    const double score = summary.undisturbed(policy, series.start);
+    if (std::isfinite(score)) best = std::max(best, score);
+  }
+  return !falls_short(summary.undisturbed(series.policy, series.start), best);
+}
+
 /// Where a linear regulator stands more than every agent.
 std::string regulator_sentence(const PaperResults& results) {
   struct Best {
     double regulator = 0;
     double agents = 0;
-    bool regulator_censored = false;
+    bool beyond_grid = true;  ///< of all of them
   };
   std::map<std::string, Best> sweeps;
   for_each_curve(results, [&](const Study& study, const Series& series) {
     const CurveCell cell{&study, &series, 0};
-    if (!series.has_margin || !std::isfinite(series.margin.level.estimate)) return;
+    if (!series.has_margin || !std::isfinite(series.margin.level.estimate) ||
+        !stands_undisturbed(results, study, series))
+      return;
     Best& best = sweeps[cat(study.setup.plant.kind, "/", study.name, "/", cell.sweep().name)];
     const double level = series.margin.level.estimate;
-    if (cell.policy().kind == StudyPolicy::Kind::kLqr) {
-      best.regulator = level;
-      best.regulator_censored = series.margin.censored;
-    }
+    best.beyond_grid = best.beyond_grid && series.margin.censored;
+    if (cell.policy().kind == StudyPolicy::Kind::kLqr) best.regulator = level;
     if (cell.policy().kind == StudyPolicy::Kind::kTrain) best.agents = std::max(best.agents, level);
   });
   std::size_t compared = 0, ahead = 0;
   for (const auto& [name, best] : sweeps) {
-    if (best.regulator == 0 || best.agents == 0) continue;
+    if (best.regulator == 0 || best.agents == 0 || best.beyond_grid) continue;
     ++compared;
     ahead += best.regulator >= best.agents ? 1 : 0;
   }

@@ -94,9 +94,11 @@ bool stands_apart(const TableCell& cell) {
 std::string printed_table(const ReproductionPage::Figure& figure) {
   if (figure.table.empty()) return "";
   const auto apart = static_cast<std::size_t>(std::ranges::count_if(figure.table, stands_apart));
+  const auto measured = static_cast<std::size_t>(
+      std::ranges::count_if(figure.table, [](const TableCell& cell) { return std::isfinite(cell.ours.low); }));
   std::string out =
       cat("<h3>The paper’s table beside ours</h3>\n<p class=\"lead\">", escaped(figure.table_metric), ". ", apart,
-          " of ", counted(figure.table.size(), "printed value", "printed values"), apart == 1 ? " lies" : " lie",
+          " of ", counted(measured, "printed value", "printed values"), apart == 1 ? " lies" : " lie",
           " outside our interval: <b>▲</b> ours is larger, <b>▼</b> smaller.</p>\n"
           "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The paper’s table beside ours\"><table "
           "class=\"printed\">\n<thead><tr><th scope=\"col\">policy</th><th scope=\"col\" "

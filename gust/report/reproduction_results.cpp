@@ -93,7 +93,7 @@ void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summ
   }
 }
 
-ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t index) {
+ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t index, const std::string& command) {
   const Paper& paper = *results.reproduction.paper;
   const PaperFigure& figure = paper.figures[index];
   const std::size_t at = *results.reproduction.find(0, figure.study);
@@ -111,6 +111,10 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
       study, summary, {cat("gust run studies/paper/", figure.study, ".toml"), cat(figure.study, ".gust"), "", {}, {}});
   drawn.page.study_text.clear();
   drawn.page.claims.clear();
+  drawn.page.run_command = cat(command, results.reproduction.choice.only.empty() ? cat(" --only ", figure.study) : "");
+  for (Page::Sweep& sweep : drawn.page.sweeps) sweep.command.clear();  // they would ask a study's own folder
+  for (Page::Grid& grid : drawn.page.grids) grid.command.clear();
+  for (Page::Episode& episode : drawn.page.episodes) episode.command.clear();
   if (!figure.maps.empty()) draw_maps(figure.maps, study, summary, drawn.page);
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     if (paper.claims[c].figure == figure.study && !results.on(c).empty()) drawn.claims.push_back(paper.claims[c].id);
@@ -134,14 +138,14 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
   ReproductionPage page;
   page.title = paper.title;
   page.source = paper.source;
-  page.label = results.reproduction.profile->label;
+  page.label = reproduction_label(results.reproduction);
   page.findings = findings(results);
   page.warnings = results.failures;
   page.run_command = command;
   page.provenance = results.provenance;
   for (const PaperReading& reading : paper.readings) page.readings.push_back({reading.name, reading.says});
   for (std::size_t f = 0; f < paper.figures.size(); ++f) {
-    if (results.reproduction.find(0, paper.figures[f].study)) page.figures.push_back(figure_of(results, f));
+    if (results.reproduction.find(0, paper.figures[f].study)) page.figures.push_back(figure_of(results, f, command));
   }
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const PaperClaim& claim = paper.claims[c];

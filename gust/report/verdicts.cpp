@@ -45,15 +45,6 @@ Ruling main_ruling(const ReproductionPage::Claim& claim) {
   return claim.verdicts.empty() ? Ruling::not_testable : claim.verdicts.front().ruling;
 }
 
-bool rules(const ReproductionPage::Claim& claim, Ruling ruling) {
-  return std::ranges::any_of(claim.verdicts,
-                             [&](const ReproductionPage::Verdict& one) { return one.ruling == ruling; });
-}
-
-bool reverses(const ReproductionPage::Claim& claim) {
-  return rules(claim, Ruling::holds) && rules(claim, Ruling::fails);
-}
-
 std::string link_to(const ReproductionPage::Claim& claim) {
   return cat("<a href=\"#claim-", escaped(claim.id), "\">", escaped(claim.id), "</a>");
 }
@@ -135,8 +126,7 @@ std::string changing_list(const ReproductionPage& page) {
   for (const auto& claim : page.claims) {
     if (!hangs_on_reading(claim)) continue;
     items += cat("<li><span class=\"id\">", link_to(claim), "</span><div><p>", escaped(claim.text),
-                 reverses(claim) ? " <b class=\"reverses\">turns round</b>" : "", "</p><p class=\"detail\">",
-                 by_ruling(page, claim), "</p></div></li>\n");
+                 "</p><p class=\"detail\">", by_ruling(page, claim), "</p></div></li>\n");
   }
   if (items.empty()) return "";
   return cat("<h3>Claims that hang on a reading</h3>\n<ul class=\"changing\">\n", items, "</ul>\n");
@@ -224,8 +214,7 @@ std::string verdict_picture(const ReproductionPage& page) {
   std::string counts;
   for (const Ruling ruling : kRulings) counts += count_html(page, ruling);
   const bool hang = std::ranges::any_of(page.claims, hangs_on_reading);
-  const std::string reading =
-      page.readings.empty() ? "" : cat("Judged under the main reading, ", escaped(page.readings.front().name), ".");
+  const std::string reading = "Each under the reading that decides it: the first, unless the claim says another.";
   return cat(
       "<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
       "</dl>\n<p class=\"note\">", reading, "</p>",
@@ -237,12 +226,10 @@ std::string verdict_picture(const ReproductionPage& page) {
 std::string reading_table(const ReproductionPage& page) {
   if (page.readings.size() < 2) return "";
   const auto hang = std::ranges::count_if(page.claims, hangs_on_reading);
-  const auto turn = std::ranges::count_if(page.claims, reverses);
-  const std::string turned =
-      turn == 0 ? "" : cat("; ", turn, turn == 1 ? " turns" : " turn", " round, from holds to fails");
   return cat("<p class=\"lead\">The paper leaves open what some of its words mean. ", hang, " of ",
-             counted(page.claims.size(), "claim", "claims"), hang == 1 ? " changes" : " change", " with the reading",
-             turned, ". An empty place: the reading does not bear on the claim.</p>\n", reading_matrix(page),
+             counted(page.claims.size(), "claim", "claims"), hang == 1 ? " holds" : " hold", " under one reading and ",
+             hang == 1 ? "fails" : "fail",
+             " under another. An empty place: the reading does not bear on the claim.</p>\n", reading_matrix(page),
              readings_list(page), changing_list(page));
 }
 

@@ -71,6 +71,18 @@ double CurvePoint::*curve_column(const std::string& name) {
   throw Error(cat("a learning curve has no '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
 }
 
+/// What policies have in common whose seeds are the same trainings: a longer one goes on where a shorter one ends, and
+/// a risk level is chosen when the policy acts.
+std::string seeds_key(const Study& study, const StudyPolicy& policy) {
+  if (policy.kind != StudyPolicy::Kind::kTrain) return policy.name;
+  std::string key = policy.agent.canonical;
+  const std::size_t steps = key.find("steps = ");
+  if (steps != std::string::npos) key.erase(steps, key.find_first_of(",)", steps) - steps);
+  for (const Injection& injection : policy.disturbed)
+    key += cat("; ", injection.canonical(), " ", canonical_text(injection.level));
+  return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()));
+}
+
 void check_count(std::string_view function, const std::vector<FormulaValue>& arguments, std::size_t most) {
   if (arguments.empty() || arguments.size() > most)
     throw Error(cat("'", function, "' takes 1 to ", most, " arguments, got ", arguments.size()));
@@ -170,7 +182,7 @@ FormulaValue ClaimScores::curve(std::string_view function, const Arguments& argu
   const auto column = curve_column(arguments.size() == 2 ? arguments[1].as_text(cat("'", function, "'")) : "anr_h");
   const Place place = find({arguments[0]}, function);
   count_seeds(place);
-  Bootstrap& bootstrap = resampling(place.source->study->policies[place.policy].name);
+  Bootstrap& bootstrap = resampling(*place.source->study, place.policy);
   const std::vector<std::vector<CurvePoint>> seeds = curves(place);
   FormulaList list;
   for (std::size_t i = 0; i < seeds.front().size(); ++i) {
@@ -206,7 +218,7 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     if (group.policy != place.policy || group.sweep != place.sweep) continue;
     MemberRows rows(*place.source->plan, group, *place.source->store, missing);
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
-    Bootstrap& bootstrap = resampling(study.policies[place.policy].name);
+    Bootstrap& bootstrap = resampling(study, place.policy);
     const bool repeats = episodes_repeat(study, place.sweep, start);
     while (rows.next())
       cells.push_back(sampled(unit_values(rows.values(start, index, repeats).view()), bootstrap, mean));
@@ -238,8 +250,9 @@ std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) con
   return curves;
 }
 
-Bootstrap& ClaimScores::resampling(const std::string& policy) const {
-  return resampling_.try_emplace(policy, rng_.split("claims").split(policy), kResamples).first->second;
+Bootstrap& ClaimScores::resampling(const Study& study, std::size_t policy) const {
+  const std::string key = seeds_key(study, study.policies[policy]);
+  return resampling_.try_emplace(key, rng_.split("claims").split(key), kResamples).first->second;
 }
 
 }  // namespace gust

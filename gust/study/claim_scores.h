@@ -34,8 +34,8 @@ struct ClaimView {
 ///     curve_spread(…)                   the standard deviation of its seeds, against all steps
 ///
 /// Every number is the mean over training seeds (over episodes for a policy that is one alone), and its resamples draw
-/// whole seeds: the same ones for all that is asked of a policy, so that what its scores share cancels. Policies are
-/// drawn independently of each other.
+/// whole seeds: the same ones for all that is asked of a policy, so that what its scores share cancels, and for
+/// policies of the same trainings (other steps or risk levels). Others are drawn independently of each other.
 class ClaimScores final : public FormulaData {
  public:
   ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng);
@@ -65,7 +65,7 @@ class ClaimScores final : public FormulaData {
   /// The learning curves of a policy's seeds, all as long as the shortest.
   std::vector<std::vector<CurvePoint>> curves(const Place& place) const;
   void count_seeds(const Place& place) const;
-  Bootstrap& resampling(const std::string& policy) const;
+  Bootstrap& resampling(const Study& study, std::size_t policy) const;
 
   std::vector<ClaimSource> sources_;
   ClaimView view_;

@@ -86,12 +86,15 @@ class Judge {
     }
     const ClaimScores scores(sources(claim, question.reading), view(claim, reading), Rng(1).split("paper"));
     Finding finding;
-    if (reading.printed) {
+    try {
       const PrintedScores printed(paper_, paper_.figure(claim.figure)->table, scores.functions());
-      finding = judge(*claim.formula, paper_.names, printed);
-    } else {
-      finding = judge(*claim.formula, paper_.names, RenamedScores(scores, reading.instead));
-      result.seeds = scores.fewest_seeds().value_or(0);
+      const RenamedScores renamed(scores, reading.instead);
+      const FormulaData& data = reading.printed ? static_cast<const FormulaData&>(printed) : renamed;
+      finding = judge(*claim.formula, paper_.names, data);
+      if (!reading.printed) result.seeds = scores.fewest_seeds().value_or(0);
+    } catch (const Error& error) {  // these data cannot answer; those with shapes only must
+      if (store_ == nullptr) throw;
+      finding.verdict = {Ruling::not_testable, error.what()};
     }
     result.measured = finding.measured;
     result.verdict = std::move(finding.verdict);
@@ -126,8 +129,9 @@ class Judge {
     if (!claim.formula) return false;
     if (!reading.claims.empty()) return std::ranges::find(reading.claims, claim.id) != reading.claims.end();
     if (reading.printed) return !paper_.figure(claim.figure)->table.empty();
-    const bool asks_scores = claim.formula->text().find("score(") != std::string::npos;
-    if (!reading.start.empty()) return asks_scores;
+    const std::string& text = claim.formula->text();
+    const bool asks_scores = text.find("score(") != std::string::npos;
+    if (!reading.start.empty()) return asks_scores || text.find("survival(") != std::string::npos;
     if (!reading.instead.empty()) return asks_scores && reading.instead.contains(metric_of(claim));
     return std::ranges::any_of(claim.from, [&](const std::string& study) {
       return std::ranges::find(reading.figures, study) != reading.figures.end();

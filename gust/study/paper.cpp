@@ -50,8 +50,8 @@ void check_figures(const Paper& paper, const std::vector<std::string>& names, co
 }
 
 PaperProfile parse_profile(const Table& table) {
-  check_keys(table, {"name", "label", "seeds", "steps"}, "a profile");
-  PaperProfile profile{required_text(table, "name", "a profile"), text_of(table, "label"), {}, 1.0};
+  check_keys(table, {"name", "seeds", "steps"}, "a profile");
+  PaperProfile profile{required_text(table, "name", "a profile"), {}, 1.0};
   if (const Value* seeds = table.find("seeds")) {
     profile.seeds = seeds->as_int("seeds");
     if (*profile.seeds < 1) throw error_at(seeds->place, "'seeds' must be at least 1");
@@ -62,12 +62,18 @@ PaperProfile parse_profile(const Table& table) {
 }
 
 PaperReading parse_reading(const Table& table) {
-  check_keys(table, {"name", "says", "settings", "figures", "instead", "start", "claims", "printed"}, "a reading");
+  std::vector<std::string> known = {"name", "says", "settings", "figures", "instead", "start", "claims", "printed"};
+  const std::vector<std::string> figures = texts_of(table, "figures");
+  known.insert(known.end(), figures.begin(), figures.end());
+  check_keys(table, known, "a reading");
   PaperReading reading;
+  for (const std::string& figure : figures) {
+    if (table.contains(figure)) reading.own[figure] = texts_of(table, figure);
+  }
   reading.name = required_text(table, "name", "a reading");
   reading.says = required_text(table, "says", "a reading");
   reading.settings = texts_of(table, "settings");
-  reading.figures = texts_of(table, "figures");
+  reading.figures = figures;
   reading.start = text_of(table, "start");
   reading.claims = texts_of(table, "claims");
   reading.printed = flag_of(table, "printed");

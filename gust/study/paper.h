@@ -13,7 +13,6 @@ namespace gust {
 /// What is to be run of a paper's studies: all of it, or a miniature.
 struct PaperProfile {
   std::string name;
-  std::string label;                  ///< what stands wherever its numbers appear; empty if nothing need be said
   std::optional<std::int64_t> seeds;  ///< of every training: 1 to this; else as the studies have them
   double steps = 1.0;                 ///< the share of every training's steps
 };
@@ -22,12 +21,13 @@ struct PaperProfile {
 struct PaperReading {
   std::string name;
   std::string says;
-  std::vector<std::string> settings;           ///< of its studies; "{study}" stands for a study's name
-  std::vector<std::string> figures;            ///< whose studies it changes; all others are the main reading's
-  std::map<std::string, std::string> instead;  ///< what claims ask for, and what they ask for here
-  std::string start;                           ///< where episodes begin; empty: drawn
-  std::vector<std::string> claims;             ///< those that it bears on; empty: those whose data it changes
-  bool printed = false;                        ///< the paper's own tables instead of measurements
+  std::vector<std::string> settings;                    ///< of its studies; "{study}" stands for a study's name
+  std::map<std::string, std::vector<std::string>> own;  ///< of one study, in place of those
+  std::vector<std::string> figures;                     ///< whose studies it changes; all others are the main reading's
+  std::map<std::string, std::string> instead;           ///< what claims ask for, and what they ask for here
+  std::string start;                                    ///< where episodes begin; empty: drawn
+  std::vector<std::string> claims;                      ///< those that it bears on; empty: those whose data it changes
+  bool printed = false;                                 ///< the paper's own tables instead of measurements
 };
 
 /// A heat map made of the curves of policies that differ in one level.

@@ -68,7 +68,7 @@ void read_claims(const fs::path& file, PaperResults& results) {
     verdict.measured.estimate = table.number(i, "estimate");
     verdict.measured.low = table.number(i, "low");
     verdict.measured.high = table.number(i, "high");
-    verdict.seeds = static_cast<std::size_t>(table.number(i, "seeds"));
+    verdict.seeds = table.whole(i, "seeds");
     verdict.verdict = {ruling_from(table.text(i, "verdict"), table.place(i)), table.text(i, "reason")};
     results.verdicts.push_back(std::move(verdict));
   }
@@ -143,7 +143,21 @@ std::vector<const PaperVerdict*> PaperResults::on(std::size_t claim) const {
   return found;
 }
 
+void leave_out_unshown(PaperResults& results) {
+  for (std::size_t i = 0; i < results.summaries.size(); ++i) {
+    const PaperFigure& figure = results.reproduction.paper->figures[results.reproduction.studies[i].figure];
+    if (!shows(figure, "learning")) results.summaries[i].curves.clear();
+    if (!shows(figure, "replay")) results.summaries[i].kept.clear();
+  }
+}
+
+Reproduction read_results_choice(const fs::path& folder) {
+  return read_description(folder / kDescription).reproduction;
+}
+
 void write_results(const PaperResults& results, const fs::path& folder) {
+  std::error_code error;
+  fs::remove(folder / kDescription, error);  // it comes last again: without it nothing there counts as results
   const Reproduction& reproduction = results.reproduction;
   for (std::size_t i = 0; i < reproduction.studies.size(); ++i) {
     const ReproductionStudy& part = reproduction.studies[i];

@@ -32,6 +32,12 @@ struct PaperResults {
 void write_results(const PaperResults& results, const std::filesystem::path& folder);
 PaperResults read_results(const std::filesystem::path& folder);
 
+/// Leaves out the learning curves and kept episodes of figures that do not show them: these are not written.
+void leave_out_unshown(PaperResults& results);
+
+/// What the results in a folder are of.
+Reproduction read_results_choice(const std::filesystem::path& folder);
+
 /// Whether a folder holds the results of a reproduction.
 bool holds_results(const std::filesystem::path& folder);
 

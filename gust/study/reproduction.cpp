@@ -46,6 +46,8 @@ std::vector<std::string> profile_settings(const Study& study, const PaperProfile
 /// The settings of a reading for one of its studies.
 std::vector<std::string> reading_settings(const PaperReading& reading, const std::string& study) {
   constexpr std::string_view kStudy = "{study}";
+  const auto own = reading.own.find(study);
+  if (own != reading.own.end()) return own->second;
   std::vector<std::string> settings = reading.settings;
   for (std::string& setting : settings) {
     const std::size_t at = setting.find(kStudy);
@@ -68,6 +70,18 @@ std::optional<std::size_t> Reproduction::find(std::size_t reading, std::string_v
     if (studies[i].reading == 0) found = i;
   }
   return found;
+}
+
+std::string reproduction_label(const Reproduction& reproduction) {
+  const PaperProfile& profile = *reproduction.profile;
+  const std::optional<std::int64_t> seeds = reproduction.choice.seeds ? reproduction.choice.seeds : profile.seeds;
+  std::vector<std::string> parts;
+  if (profile.steps < 1.0) parts.push_back(fmt::format("{:.3g} % of the training steps", 100 * profile.steps));
+  if (seeds) parts.push_back(cat(*seeds, *seeds == 1 ? " seed" : " seeds", " of each training"));
+  if (parts.empty()) return "";
+  const bool decides = !seeds || *seeds >= static_cast<std::int64_t>(kSeedsForVerdict);
+  return cat(profile.steps < 1.0 ? "A miniature: " : "Not the full run: ", join(parts, ", "), ".",
+             decides ? "" : " It shows that everything runs, and decides nothing.");
 }
 
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice) {

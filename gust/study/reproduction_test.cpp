@@ -42,7 +42,8 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   const Reproduction reproduction =
       open_reproduction(paper, {.profile = "quick", .only = {"learning-curves", "white"}, .seeds = {}});
 
-  REQUIRE(reproduction.studies.size() == 6);  // two of the main reading, two of scg-default, white under two more
+  REQUIRE(reproduction.studies.size() ==
+          8);  // two of the main reading, of scg-default and of RAP goes on, white under two
   CHECK(reproduction.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2});
   CHECK(reproduction.studies[0].study.policies[1].agent->steps() == 100'000);
   CHECK(reproduction.studies[2].study.setup.preset == "scg-default");

@@ -124,7 +124,7 @@ class CellReader {
     series.metrics = summarised_metrics(study_);
     series.values.assign(series.metrics.size() * series.cells, {kUnknown, kUnknown, kUnknown});
     series.unit = unit_from(table_.text(line, "over"));
-    series.units = static_cast<std::size_t>(table_.number(line, "n"));
+    series.units = table_.whole(line, "n");
     return summary_.series.emplace_back(std::move(series));
   }
 
@@ -148,6 +148,8 @@ class CellReader {
     const Estimate estimate{table_.number(line, "value"), table_.number(line, "low"), table_.number(line, "high")};
     const std::string& metric = table_.text(line, "metric");
     if (metric == kMargin || metric == kMarginAtLeast) {
+      if (series.sweep == Trial::kNominal || series.cells == 0)
+        throw Error(cat(table_.place(line), ": a margin without levels to be found on"));
       series.has_margin = true;
       series.margin.level = {estimate.value, estimate.low, estimate.high, series.unit, series.units};
       series.margin.censored = metric == kMarginAtLeast;
@@ -155,7 +157,7 @@ class CellReader {
       return;
     }
     if (metric == kNotFinite) {
-      series.not_finite = static_cast<std::size_t>(estimate.value);
+      series.not_finite = table_.whole(line, "value");
       return;
     }
     const std::size_t index = study_.metric_set.index(metric, {table_.place(line)});
@@ -225,8 +227,8 @@ void read_curves(std::string_view text, std::string_view name, const Study& stud
     if (summary.curves.empty() || summary.curves.back().policy != policy || summary.curves.back().member != member)
       summary.curves.push_back({policy, member, {}});
     CurvePoint point;
-    point.steps = static_cast<std::int64_t>(table.number(i, "steps"));
-    point.protagonist_steps = static_cast<std::int64_t>(table.number(i, "own_steps"));
+    point.steps = static_cast<std::int64_t>(table.whole(i, "steps"));
+    point.protagonist_steps = static_cast<std::int64_t>(table.whole(i, "own_steps"));
     for (const CurveColumn& column : kCurveColumns) point.*column.value = table.number(i, column.name);
     summary.curves.back().points.push_back(point);
   }

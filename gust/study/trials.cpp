@@ -162,8 +162,9 @@ bool fails_at(const Evaluation& evaluation, Policy& policy, double level) {
   return failed;
 }
 
-/// The smallest level that fails, within five percent, by doubling and then bisection.
+/// The smallest level that fails, within five percent, by doubling and then bisection; 0 if it fails undisturbed.
 double search_level(const Evaluation& evaluation, Policy& policy, double limit) {
+  if (fails_at(evaluation, policy, 0.0)) return 0.0;
   constexpr double kFirst = 1e-3;
   constexpr double kWithin = 1.05;
   double high = kFirst;

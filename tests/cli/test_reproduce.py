@@ -101,10 +101,37 @@ def test_tables_that_were_tampered_with_are_errors(gust, tmp_path, small):
     good = cells.read_text()
     for bad, message in [(good.replace("\nPPO,", "\nPPI,", 1), "the study has no policy 'PPI'"),
                          (good.replace(",rmse_paper,", ",rmse_papre,", 1), "did you mean 'rmse_paper'?"),
-                         (good[:-1].rpartition(",")[0], "cells where the header has"), ("", "the file is empty")]:
+                         (good[:-1].rpartition(",")[0], "cells where the header has"), ("", "the file is empty"),
+                         (good + "PPO,,random,,,margin,1,1,1,10,seeds\n", "a margin without levels"),
+                         (good.replace(",25,episodes", ",-1,episodes", 1), "'-1' is no whole number")]:
         cells.write_text(bad)
         assert message in gust("report", "copy", code=2).stderr
     cells.unlink()
     assert "table-dr.csv" in gust("report", "copy", code=2).stderr
     (tmp_path / "copy/reproduction.json").write_text("{}")
     assert "reproduction.json: is no description of a reproduction" in gust("report", "copy", code=2).stderr
+
+
+def test_a_folder_that_holds_something_else_is_left_alone(gust, tmp_path, small):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/thesis.txt").write_text("mine")
+    assert "mine: holds something else" in gust(*QUICK, "--out", "mine", code=2, seconds=60).stderr
+    shutil.copytree(small[0] / "paper.gust", tmp_path / "done")
+    other = gust(*QUICK, "--only", "disturbances", "--out", "done", code=2, seconds=60)
+    assert "done: holds what 'gust reproduce paper --only table-dr --seeds 1 --profile quick' found" in other.stderr
+    assert tables(tmp_path / "done") == tables(small[0] / "paper.gust")
+
+
+def test_page_of_agents_is_made_again_too(gust, tmp_path):
+    """With learning curves, charts and an adversary's budget."""
+    gust(*QUICK, "--only", "table-adversary", "--only", "disturbances", "--seeds", "1")
+    names = ["report.html", "reproduce.md"]
+    before = {name: (tmp_path / "paper.gust" / name).read_bytes() for name in names}
+    gust("report", "paper.gust")
+    assert {name: (tmp_path / "paper.gust" / name).read_bytes() for name in names} == before
+
+
+def test_plan_says_which_options_are_whose(gust):
+    assert "gust: " in gust("plan", "paper", "--profile", "quick", "--only", "white").stderr
+    assert "--set is for a study" in gust("plan", "paper", "--set", "seed=3", code=2).stderr
+    assert "are for a paper" in gust("plan", "study.toml", "--seeds", "3", code=2).stderr

@@ -112,6 +112,10 @@ void command_plan(CLI::App& app, int&) {
   command->footer("Examples:\n  gust plan studies/demo.toml\n  gust plan paper --profile quick");
   command->callback([options] {
     const bool is_paper = options->study == "paper" && !std::filesystem::is_regular_file(options->study);
+    if (is_paper && !options->settings.empty()) throw Error("--set is for a study; a paper has --profile and --seeds");
+    const ReproductionChoice& choice = options->choice;
+    if (!is_paper && (!choice.only.empty() || choice.seeds || choice.profile != ReproductionChoice{}.profile))
+      throw Error("--only, --seeds and --profile are for a paper; a study has --set");
     is_paper ? plan_paper(*options) : plan_study(*options);
   });
 }

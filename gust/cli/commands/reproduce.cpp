@@ -57,6 +57,7 @@ PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& o
     plans.push_back(outcomes[i].plan);
     results.summaries.push_back(summarise(results.reproduction.studies[i].study, plans[i], store, threads));
   }
+  leave_out_unshown(results);
   results.verdicts = judge_paper(results.reproduction, plans, store, threads);
   return results;
 }
@@ -70,7 +71,7 @@ std::string ruling_text(const PaperVerdict& verdict) {
 std::string verdicts_text(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   std::string text;
-  if (!results.reproduction.profile->label.empty()) text += cat(results.reproduction.profile->label, "\n\n");
+  if (const std::string label = reproduction_label(results.reproduction); !label.empty()) text += cat(label, "\n\n");
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const std::vector<const PaperVerdict*> on = results.on(c);
     if (on.empty()) continue;
@@ -106,10 +107,24 @@ std::string verdicts_json(const PaperResults& results) {
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
+/// Refuses a folder that holds something else, before any work.
+void check_folder(const std::filesystem::path& folder, const Reproduction& reproduction) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder, error) || std::filesystem::is_empty(folder, error)) return;
+  if (holds_results(folder)) {
+    const std::string other = command_text(read_results_choice(folder));
+    if (other == command_text(reproduction)) return;
+    throw Error(cat(folder.string(), ": holds what '", other, "' found; choose another --out"));
+  }
+  if (!std::filesystem::exists(folder / "store", error))
+    throw Error(cat(folder.string(), ": holds something else; choose another --out"));
+}
+
 int reproduce(Options& options) {
   Reproduction reproduction = open_reproduction(paper_at(options.paper), options.choice);
   check_claims(reproduction);
   const StudyFolder folder(options.out.empty() ? cat(options.paper, ".gust") : options.out);
+  check_folder(folder.path(), reproduction);
   const std::size_t threads = thread_count(options.threads);
   const Store store(folder.store(), Store::Access::write, tell);
   const Run run = run_all(reproduction, store, threads);
