@@ -11,6 +11,10 @@ namespace gust {
 /// --only, --seeds and --profile, which stay in force as long as `choice` lives.
 void add_choice(CLI::App& command, ReproductionChoice& choice);
 
+/// Where a reproduction leaves its results unless it is told: ./paper.gust, or ./paper-quick.gust for a profile
+/// "quick".
+std::string standard_folder(const Paper& paper, const ReproductionChoice& choice);
+
 /// What makes the same results again.
 std::string command_text(const Reproduction& reproduction);
 

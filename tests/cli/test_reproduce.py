@@ -32,12 +32,12 @@ def test_answer_names_the_claims_and_says_that_it_is_a_miniature(small):
     for claim in ["C58", "C59", "C60", "C61"]:
         assert f"\n{claim}  undecided (1) " in done.stdout
     assert "Of 4 claims 0 hold, 0 fail, 4 are undecided and 0 cannot be tested" in done.stdout
-    assert done.stdout.endswith("Page: paper.gust/report.html\n")
+    assert done.stdout.endswith("Page: paper-quick.gust/report.html\n")
 
 
 def test_verdicts_have_numbers_under_each_reading_that_bears_on_them(small):
     folder, _ = small
-    with open(folder / "paper.gust/claims.csv", newline="") as file:
+    with open(folder / "paper-quick.gust/claims.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["id"] == "C60"]
     assert [row["reading"] for row in rows] == [
         "scg-2022", "scg-default", "fixed start", "rmse of safe-control-gym", "root of the sum", "as printed"]
@@ -49,13 +49,13 @@ def test_verdicts_have_numbers_under_each_reading_that_bears_on_them(small):
 
 def test_table_stands_beside_the_papers(small):
     folder, _ = small
-    text = (folder / "paper.gust/reproduce.md").read_text()
+    text = (folder / "paper-quick.gust/reproduce.md").read_text()
     assert "## Table S1: Range of domain randomisation" in text
     assert "| params x8 | 6.88 → " in text
 
 
 def test_page_and_text_are_made_again_from_the_tables_alone(gust, tmp_path, small):
-    shutil.copytree(small[0] / "paper.gust", tmp_path / "copy", ignore=shutil.ignore_patterns("store"))
+    shutil.copytree(small[0] / "paper-quick.gust", tmp_path / "copy", ignore=shutil.ignore_patterns("store"))
     before = {name: (tmp_path / "copy" / name).read_bytes() for name in ["report.html", "reproduce.md"]}
     for name in before:
         (tmp_path / "copy" / name).unlink()
@@ -69,15 +69,15 @@ def test_run_again_does_nothing_and_finds_the_same(gust, tmp_path, small):
     shutil.copytree(small[0], tmp_path / "again")
     done = gust(*QUICK, "--only", "table-dr", "--seeds", "1", "--json", cwd=tmp_path / "again", seconds=60)
     assert done.stderr == ""  # no progress: nothing was missing
-    assert tables(tmp_path / "again/paper.gust") == tables(small[0] / "paper.gust")
+    assert tables(tmp_path / "again/paper-quick.gust") == tables(small[0] / "paper-quick.gust")
     answer = json.loads(done.stdout)
     assert answer["profile"] == "quick" and len(answer["claims"]) == 4 * 6 and answer["failures"] == []
 
 
 def test_figure_without_trainings_takes_no_time_and_keeps_its_episodes(gust, tmp_path):
     gust(*QUICK, "--only", "disturbances", seconds=60)
-    assert len(list((tmp_path / "paper.gust/scg-2022").glob("disturbances-*.json"))) == 6
-    page = (tmp_path / "paper.gust/report.html").read_text()
+    assert len(list((tmp_path / "paper-quick.gust/scg-2022").glob("disturbances-*.json"))) == 6
+    page = (tmp_path / "paper-quick.gust/report.html").read_text()
     assert "The five disturbances" in page and '"episodes":[{' in page
 
 
@@ -92,11 +92,11 @@ def test_figure_without_trainings_takes_no_time_and_keeps_its_episodes(gust, tmp
 def test_misuse_is_told_before_any_work(gust, tmp_path, arguments, message):
     done = gust("reproduce", *arguments, code=2, seconds=60)
     assert message in done.stderr
-    assert not (tmp_path / "paper.gust").exists()
+    assert not list(tmp_path.glob("paper*.gust"))
 
 
 def test_tables_that_were_tampered_with_are_errors(gust, tmp_path, small):
-    shutil.copytree(small[0] / "paper.gust", tmp_path / "copy", ignore=shutil.ignore_patterns("store"))
+    shutil.copytree(small[0] / "paper-quick.gust", tmp_path / "copy", ignore=shutil.ignore_patterns("store"))
     cells = tmp_path / "copy/scg-2022/table-dr.csv"
     good = cells.read_text()
     for bad, message in [(good.replace("\nPPO,", "\nPPI,", 1), "the study has no policy 'PPI'"),
@@ -116,19 +116,19 @@ def test_a_folder_that_holds_something_else_is_left_alone(gust, tmp_path, small)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/thesis.txt").write_text("mine")
     assert "mine: holds something else" in gust(*QUICK, "--out", "mine", code=2, seconds=60).stderr
-    shutil.copytree(small[0] / "paper.gust", tmp_path / "done")
+    shutil.copytree(small[0] / "paper-quick.gust", tmp_path / "done")
     other = gust(*QUICK, "--only", "disturbances", "--out", "done", code=2, seconds=60)
     assert "done: holds what 'gust reproduce paper --only table-dr --seeds 1 --profile quick' found" in other.stderr
-    assert tables(tmp_path / "done") == tables(small[0] / "paper.gust")
+    assert tables(tmp_path / "done") == tables(small[0] / "paper-quick.gust")
 
 
 def test_page_of_agents_is_made_again_too(gust, tmp_path):
     """With learning curves, charts and an adversary's budget."""
     gust(*QUICK, "--only", "table-adversary", "--only", "disturbances", "--seeds", "1")
     names = ["report.html", "reproduce.md"]
-    before = {name: (tmp_path / "paper.gust" / name).read_bytes() for name in names}
-    gust("report", "paper.gust")
-    assert {name: (tmp_path / "paper.gust" / name).read_bytes() for name in names} == before
+    before = {name: (tmp_path / "paper-quick.gust" / name).read_bytes() for name in names}
+    gust("report", "paper-quick.gust")
+    assert {name: (tmp_path / "paper-quick.gust" / name).read_bytes() for name in names} == before
 
 
 def test_plan_says_which_options_are_whose(gust):

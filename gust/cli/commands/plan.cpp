@@ -89,7 +89,8 @@ void plan_study(const Options& options) {
 
 void plan_paper(const Options& options) {
   Reproduction reproduction = open_reproduction(paper_at(options.study), options.choice);
-  const std::unique_ptr<Store> store = store_at(options.out.empty() ? cat(options.study, ".gust") : options.out);
+  const std::unique_ptr<Store> store =
+      store_at(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
   PlanTeller teller(store.get(), options.json);
   for (ReproductionStudy& part : reproduction.studies) {
     teller.add(

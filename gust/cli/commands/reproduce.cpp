@@ -123,7 +123,7 @@ void check_folder(const std::filesystem::path& folder, const Reproduction& repro
 int reproduce(Options& options) {
   Reproduction reproduction = open_reproduction(paper_at(options.paper), options.choice);
   check_claims(reproduction);
-  const StudyFolder folder(options.out.empty() ? cat(options.paper, ".gust") : options.out);
+  const StudyFolder folder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
   check_folder(folder.path(), reproduction);
   const std::size_t threads = thread_count(options.threads);
   const Store store(folder.store(), Store::Access::write, tell);
@@ -159,6 +159,10 @@ void add_choice(CLI::App& command, ReproductionChoice& choice) {
   command.add_option("--profile", choice.profile, "of a paper: how much; quick is a miniature (default: paper)");
 }
 
+std::string standard_folder(const Paper& paper, const ReproductionChoice& choice) {
+  return cat(paper.name, choice.profile == ReproductionChoice{}.profile ? "" : cat("-", choice.profile), ".gust");
+}
+
 std::string command_text(const Reproduction& reproduction) {
   const ReproductionChoice& choice = reproduction.choice;
   std::string text = cat("gust reproduce ", reproduction.paper->name);
@@ -180,7 +184,8 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("reproduce", "Runs a paper's studies and decides its claims");
   command->add_option("PAPER", options->paper, "the paper: 'paper'")->required();
   add_choice(*command, options->choice);
-  command->add_option("--out", options->out, "result folder (default: ./PAPER.gust)")->type_name("DIR");
+  command->add_option("--out", options->out, "result folder (default: ./paper.gust, or ./paper-quick.gust)")
+      ->type_name("DIR");
   command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", options->json, "verdicts as one JSON object");
