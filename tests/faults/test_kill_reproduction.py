@@ -11,7 +11,7 @@ import time
 from conftest import PROGRAM
 
 KILLS = int(os.environ.get("GUST_KILLS", 10))
-SMALL = ["reproduce", "paper", "--profile", "quick", "--only", "white", "--only", "table-dr", "--seeds", "1"]
+SMALL = ["reproduce", "paper", "--profile", "quick", "--only", "table-dr", "--seeds", "3"]  # 24 trainings of 0.6 s
 
 
 def start(folder, threads=2):
@@ -28,7 +28,7 @@ def tables(folder):
 def test_killed_reproduction_finds_the_same(tmp_path):
     assert start(tmp_path / "untouched", threads=1).wait(timeout=600) == 0
     untouched = tables(tmp_path / "untouched")
-    assert len(untouched) == 8  # claims; white under five readings, table-dr under two
+    assert len(untouched) == 3  # the claims, and the table under two readings
     rng = random.Random(2022)
     kills = 0
     folder = 0
@@ -36,7 +36,7 @@ def test_killed_reproduction_finds_the_same(tmp_path):
         out = tmp_path / f"killed-{folder}"
         for _ in range(KILLS):
             process = start(out)
-            time.sleep(rng.choice([rng.uniform(0, 0.5), rng.uniform(0.5, 4)]))
+            time.sleep(rng.choice([rng.uniform(0, 0.5), rng.uniform(0.5, 3)]))
             process.kill()
             if process.wait(timeout=60) == 0:
                 break
