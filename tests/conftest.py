@@ -1,8 +1,12 @@
 """What the Python tests share: the program under test and where its build lies."""
 
+import fcntl
 import os
 import pathlib
+import pty
+import struct
 import subprocess
+import termios
 
 import pytest
 
@@ -39,3 +43,24 @@ def gust(tmp_path):
         return done
 
     return run
+
+
+def in_terminal(command, folder, columns):
+    """What a command prints on a terminal of so many columns."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+    subprocess.run(command, cwd=folder, stdout=theirs, check=True)
+    os.close(theirs)
+    shown = b""
+    while piece := read_some(ours):
+        shown += piece
+    os.close(ours)
+    return shown.decode().replace("\r\n", "\n")
+
+
+def read_some(terminal):
+    """The next bytes; none at the end, which a terminal tells as an error."""
+    try:
+        return os.read(terminal, 65536)
+    except OSError:
+        return b""

@@ -13,7 +13,18 @@ namespace {
 
 constexpr double kRecent = 20.0;  // seconds of the past that make the pace, or half of all if that is more
 
-/// At most `width` characters of a text, with "..." at the end if it was longer, and nothing that moves the cursor.
+std::string repeated(std::string_view piece, std::size_t times) {
+  std::string out;
+  for (std::size_t i = 0; i < times; ++i) out += piece;
+  return out;
+}
+
+std::string painted(std::string_view text, std::string_view code, const TerminalStyle& style) {
+  return style.color ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string(text);
+}
+
+}  // namespace
+
 std::string fitted(std::string_view text, std::size_t width) {
   std::string out;
   std::size_t characters = 0;
@@ -28,18 +39,6 @@ std::string fitted(std::string_view text, std::size_t width) {
   }
   return out;
 }
-
-std::string repeated(std::string_view piece, std::size_t times) {
-  std::string out;
-  for (std::size_t i = 0; i < times; ++i) out += piece;
-  return out;
-}
-
-std::string painted(std::string_view text, std::string_view code, const TerminalStyle& style) {
-  return style.color ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string(text);
-}
-
-}  // namespace
 
 void TimeLeft::add(double seconds, double fraction) {
   past_.emplace_back(seconds, fraction);

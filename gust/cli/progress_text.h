@@ -29,6 +29,9 @@ struct TerminalStyle {
   bool unicode = false;
 };
 
+/// At most `width` characters of a text, with "..." at the end if it was longer, and nothing that moves the cursor.
+std::string fitted(std::string_view text, std::size_t width);
+
 /// The two lines of the bar, without a line break after the second, no wider than the terminal.
 std::string progress_bar(const Progress::Moment& moment, std::optional<double> left, const TerminalStyle& style);
 

@@ -8,6 +8,8 @@
 namespace gust {
 namespace {
 
+constexpr std::int64_t kMostSeeds = 10'000;  // as in a study
+
 std::vector<StudyPolicy::File> no_files(const std::string&, const Place&) { return {}; }
 
 template <class Items>
@@ -93,6 +95,8 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       throw Error(cat("unknown figure '", name, "'", did_you_mean(name, names), "; there are ", join(names, ", ")));
   }
   const std::optional<std::int64_t> seeds = choice.seeds ? choice.seeds : reproduction.profile->seeds;
+  if (seeds && (*seeds < 1 || *seeds > kMostSeeds))
+    throw Error(cat("a reproduction has 1 to ", kMostSeeds, " seeds of each training, not ", *seeds));
   for (std::size_t r = 0; r < paper.readings.size(); ++r) {
     for (std::size_t f = 0; f < paper.figures.size(); ++f) {
       const std::string& study = paper.figures[f].study;

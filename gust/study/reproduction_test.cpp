@@ -61,4 +61,8 @@ TEST_CASE("what is not known of a paper is an error with what is") {
                        "unknown profile 'quik'; did you mean 'quick'?; there are paper, quick", Error);
   CHECK_THROWS_WITH_AS(open_reproduction(paper, {.profile = "quick", .only = {"whit"}, .seeds = {}}),
                        doctest::Contains("unknown figure 'whit'; did you mean 'white'?"), Error);
+  for (const std::int64_t seeds : {0L, -3L, 2'000'000'000L}) {
+    CHECK_THROWS_WITH_AS(open_reproduction(paper, {.profile = "quick", .only = {}, .seeds = seeds}),
+                         doctest::Contains("1 to 10000 seeds"), Error);
+  }
 }

@@ -5,6 +5,7 @@ import json
 import shutil
 
 import pytest
+from conftest import PROGRAM, in_terminal
 
 QUICK = ["reproduce", "paper", "--profile", "quick", "--threads", "2"]
 
@@ -135,3 +136,31 @@ def test_plan_says_which_options_are_whose(gust):
     assert "gust: " in gust("plan", "paper", "--profile", "quick", "--only", "white").stderr
     assert "--set is for a study" in gust("plan", "paper", "--set", "seed=3", code=2).stderr
     assert "are for a paper" in gust("plan", "study.toml", "--seeds", "3", code=2).stderr
+
+
+def test_kept_episodes_of_nobody_are_errors(gust, tmp_path):
+    gust(*QUICK, "--only", "disturbances")
+    path = tmp_path / "paper-quick.gust/scg-2022/disturbances-2.json"
+    good = json.loads(path.read_text())
+    (first, *_) = json.loads(good["traces"])
+    for change in [{"cell": 99999}, {"start": 7}, {"episode": -1}, {"failed_at": 10**9}, {"reward": []}, {"force": []},
+                   {"observation": first["force"]}, {"state": first["state"][:-1]}]:
+        path.write_text(json.dumps({**good, "traces": json.dumps([{**first, **change}])}))
+        told = gust("report", "paper-quick.gust", code=2).stderr
+        assert "kept episode" in told, change
+    path.write_text(json.dumps({**good, "member": 3}))
+    assert "a kept episode is none of this study's" in gust("report", "paper-quick.gust", code=2).stderr
+    path.write_text(json.dumps(good))
+    description = tmp_path / "paper-quick.gust/reproduction.json"
+    description.write_text(description.read_text().replace('"seeds": null', '"seeds": 2000000000'))
+    assert "1 to 10000 seeds" in gust("report", "paper-quick.gust", code=2).stderr
+
+
+def test_verdicts_fit_the_terminal(small):
+    """Where there is one; a file or a pipe gets every word."""
+    folder, done = small
+    assert "PPO over low and mid to high\n" in done.stdout
+    seen = in_terminal([PROGRAM, *QUICK, "--only", "table-dr", "--seeds", "1"], folder, columns=70)
+    lines = [line for line in seen.splitlines() if line.startswith("C5") or line.startswith("C6")]
+    assert len(lines) == 4 and all(len(line) <= 70 for line in lines)
+    assert any(line.endswith("...") for line in lines)

@@ -1,14 +1,9 @@
 """What a study prints when it is done: every line fits, on a terminal and elsewhere."""
 
-import fcntl
-import os
-import pty
-import struct
 import subprocess
-import termios
 
 import pytest
-from conftest import PROGRAM
+from conftest import PROGRAM, in_terminal
 
 STUDY = """
 schema = 1
@@ -34,22 +29,7 @@ def printed_at(folder, columns):
     command = [PROGRAM, "show", "summary.gust"]
     if columns is None:
         return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
-    ours, theirs = pty.openpty()
-    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
-    subprocess.run(command, cwd=folder, stdout=theirs, check=True)
-    os.close(theirs)
-    shown = b""
-    while piece := read(ours):
-        shown += piece
-    os.close(ours)
-    return shown.decode().replace("\r\n", "\n")
-
-
-def read(terminal):
-    try:
-        return os.read(terminal, 65536)
-    except OSError:  # the other end is closed
-        return b""
+    return in_terminal(command, folder, columns)
 
 
 def test_a_study_without_levels_says_so(gust, tmp_path):

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +7,7 @@
 
 #include "gust/cli/command.h"
 #include "gust/cli/progress.h"
+#include "gust/cli/progress_text.h"
 #include "gust/cli/reproduction_command.h"
 #include "gust/cli/signals.h"
 #include "gust/cli/study_command.h"
@@ -70,6 +72,7 @@ std::string ruling_text(const PaperVerdict& verdict) {
 
 std::string verdicts_text(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
+  const std::size_t columns = terminal_columns(STDOUT_FILENO, std::string::npos);
   std::string text;
   if (const std::string label = reproduction_label(results.reproduction); !label.empty()) text += cat(label, "\n\n");
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
@@ -77,8 +80,9 @@ std::string verdicts_text(const PaperResults& results) {
     if (on.empty()) continue;
     const auto same = std::ranges::count_if(
         on, [&](const PaperVerdict* verdict) { return verdict->verdict.ruling == on.front()->verdict.ruling; });
-    text += fmt::format("{:<4} {:<14} {:>2}/{:<2}  {}\n", paper.claims[c].id, ruling_text(*on.front()), same, on.size(),
-                        paper.claims[c].text);
+    const std::string line = fmt::format("{:<4} {:<14} {:>2}/{:<2}  {}", paper.claims[c].id, ruling_text(*on.front()),
+                                         same, on.size(), paper.claims[c].text);
+    text += cat(fitted(line, columns), "\n");
   }
   text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
   for (const std::string& sentence : findings(results)) text += cat(sentence, "\n");
