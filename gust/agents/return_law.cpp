@@ -10,6 +10,31 @@ constexpr double kLeastVariance = 1e-8;  // of a target whose root is taken
 
 double square(double x) { return x * x; }
 
+double variance_loss(VarianceLoss loss, const ReturnLaw& law, double target) {
+  switch (loss) {
+    case VarianceLoss::kWasserstein:
+      return square(law.deviation - std::sqrt(std::max(target, kLeastVariance)));
+    case VarianceLoss::kUnbiased:
+      return 0.5 * square(law.variance() - target);
+    case VarianceLoss::kDivergence:
+      break;
+  }
+  return law.variance() - target * log(law.variance());
+}
+
+/// Of that loss at the deviation.
+double at_deviation(VarianceLoss loss, const ReturnLaw& law, double target) {
+  switch (loss) {
+    case VarianceLoss::kWasserstein:
+      return 2.0 * (law.deviation - std::sqrt(std::max(target, kLeastVariance)));
+    case VarianceLoss::kUnbiased:
+      return 2.0 * law.deviation * (law.variance() - target);
+    case VarianceLoss::kDivergence:
+      break;
+  }
+  return 2.0 * (law.deviation - target / law.deviation);
+}
+
 }  // namespace
 
 ReturnTarget return_target(const ReturnLossOptions& options, const ReturnSample& sample, double mean) {
@@ -23,17 +48,12 @@ ReturnTarget return_target(const ReturnLossOptions& options, const ReturnSample&
 }
 
 double return_loss(const ReturnLossOptions& options, const ReturnLaw& law, const ReturnTarget& target) {
-  const double mean_part = square(law.mean - target.mean);
-  if (!options.wasserstein) return mean_part + 0.5 * square(law.variance() - target.variance);
-  return mean_part + square(law.deviation - std::sqrt(std::max(target.variance, kLeastVariance)));
+  return square(law.mean - target.mean) + variance_loss(options.loss, law, target.variance);
 }
 
 OutputSlope return_loss_slope(const ReturnLossOptions& options, const ReturnLaw& law, double x,
                               const ReturnTarget& target) {
-  const double at_deviation = options.wasserstein
-                                  ? 2.0 * (law.deviation - std::sqrt(std::max(target.variance, kLeastVariance)))
-                                  : 2.0 * law.deviation * (law.variance() - target.variance);
-  return {2.0 * (law.mean - target.mean), at_deviation * sigmoid(x)};
+  return {2.0 * (law.mean - target.mean), at_deviation(options.loss, law, target.variance) * sigmoid(x)};
 }
 
 }  // namespace gust

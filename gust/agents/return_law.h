@@ -36,11 +36,18 @@ struct OutputSlope {
 /// Of the conditional value at risk.
 inline OutputSlope cvar_slope(double coefficient, double x) { return {1.0, -coefficient * sigmoid(x)}; }
 
+/// What a critic's variance V learns from, beside a target yV for it.
+enum class VarianceLoss {
+  kWasserstein,  ///< (s - sqrt(max(yV, 1e-8)))^2: published, biased by the root where targets are samples
+  kUnbiased,     ///< (V - yV)^2 / 2: grows with the fourth power of returns
+  kDivergence,   ///< V - yV ln V, the generalised Kullback-Leibler divergence: unbiased, in the unit of (Q - y)^2
+};
+
 /// How a critic's variance learns (algorithms 4.3).
 struct ReturnLossOptions {
   double discount = 0.99;
   bool second_moment = true;  ///< variance target from the second moment (published), else from the squared TD error
-  bool wasserstein = true;    ///< loss of the deviation (published, biased), else half the squared variance error
+  VarianceLoss loss = VarianceLoss::kWasserstein;
   bool entropy_in_variance = true;  ///< whether the variance is that of the soft return
 };
 
@@ -63,7 +70,7 @@ struct ReturnTarget {
 };
 ReturnTarget return_target(const ReturnLossOptions& options, const ReturnSample& sample, double mean);
 
-/// (Q - y)^2 + (s - sqrt(max(yV, 1e-8)))^2, the squared 2-Wasserstein distance, or (Q - y)^2 + (V - yV)^2 / 2.
+/// (Q - y)^2 and the loss of the variance; with the first of these, the squared 2-Wasserstein distance.
 double return_loss(const ReturnLossOptions& options, const ReturnLaw& law, const ReturnTarget& target);
 
 /// Of this loss at the outputs (law.mean, x).

@@ -40,7 +40,7 @@ ReturnLaw fixed_point(const ReturnLossOptions& options, const ReturnLaw& next, d
     law.deviation += grid.weight[i] * std::sqrt(std::max(target.variance, 1e-8));
     square += grid.weight[i] * target.variance;
   }
-  if (!options.wasserstein) law.deviation = std::sqrt(square);
+  if (options.loss != VarianceLoss::kWasserstein) law.deviation = std::sqrt(square);
   return law;
 }
 
@@ -61,14 +61,16 @@ ReturnLaw chain(const ReturnLossOptions& options) {
 
 constexpr ReturnLossOptions kPublished{.discount = 0.9};
 constexpr ReturnLossOptions kTdBiased{.discount = 0.9, .second_moment = false};
-constexpr ReturnLossOptions kUnbiased{.discount = 0.9, .second_moment = false, .wasserstein = false};
-constexpr ReturnLossOptions kSecondUnbiased{.discount = 0.9, .wasserstein = false};
+constexpr ReturnLossOptions kUnbiased{.discount = 0.9, .second_moment = false, .loss = VarianceLoss::kUnbiased};
+constexpr ReturnLossOptions kDivergent{
+    .discount = 0.9, .second_moment = false, .loss = VarianceLoss::kDivergence};
+constexpr ReturnLossOptions kSecondUnbiased{.discount = 0.9, .loss = VarianceLoss::kUnbiased};
 
 }  // namespace
 
 TEST_CASE("8.6.2 the moments of an endless stream of rewards N(1, 1) are exact where they are not biased") {
   for (const bool second_moment : {false, true}) {
-    ReturnLossOptions options{.second_moment = second_moment, .wasserstein = false};
+    ReturnLossOptions options{.second_moment = second_moment, .loss = VarianceLoss::kUnbiased};
     options.discount = 0.9;
     CHECK(std::abs(endless(options).mean - 10.0) < 1e-9);
     CHECK(std::abs(endless(options).variance() - 1.0 / 0.19) < 1e-9);
@@ -119,6 +121,26 @@ TEST_CASE("8.6.5 the two forms of the Wasserstein loss are equal") {
   }
 }
 
+TEST_CASE("8.6.3 the divergence is least at the mean of its targets, and has the unit of the mean's loss") {
+  const ReturnLaw next{3.0, 2.0};
+  const ReturnLaw exact = fixed_point(kUnbiased, next, 1.0);
+  for (const double unit : {1.0, 1000.0}) {
+    const ReturnLaw scaled{unit * exact.mean, unit * exact.deviation};
+    double slope = 0.0;  // at the deviation: sigmoid(x) is one for a large x
+    double wider = 0.0;
+    const NormalGrid grid;
+    for (int i = 0; i < NormalGrid::kPoints; ++i) {
+      const ReturnSample sample{unit * grid.reward[i], 1.0, 0.0, {unit * next.mean, unit * next.deviation}};
+      const ReturnTarget target = return_target(kDivergent, sample, scaled.mean);
+      slope += grid.weight[i] * return_loss_slope(kDivergent, scaled, 800.0, target).raw;
+      wider += grid.weight[i] * return_loss_slope(kDivergent, {scaled.mean, 2.0 * scaled.deviation}, 800.0, target).raw;
+    }
+    CAPTURE(unit);
+    CHECK(std::abs(slope / unit) < 1e-9);
+    CHECK(wider / scaled.deviation == doctest::Approx(3.0).epsilon(1e-9));  // 2 (2 - 1 / 2)
+  }
+}
+
 TEST_CASE("8.6.5 both variance targets have the same mean where Q is exact") {
   constexpr std::uint64_t kDraws = 1'000'000;
   const ReturnLaw next{10.0, std::sqrt(1.0 / 0.19)};
@@ -137,7 +159,7 @@ TEST_CASE("8.1.1 finite differences confirm the slopes of a return critic's loss
     const double h = 1e-5;
     return std::abs((f(at + h) - f(at - h)) / (2 * h) - slope) < 1e-6 * std::max(std::abs(slope), 1e-2);
   };
-  for (const ReturnLossOptions& options : {kPublished, kTdBiased, kUnbiased, kSecondUnbiased}) {
+  for (const ReturnLossOptions& options : {kPublished, kTdBiased, kUnbiased, kDivergent, kSecondUnbiased}) {
     for (std::uint64_t i = 0; i < 50; ++i) {
       const Rng rng = Rng(5).split(i);
       const double q = 3.0 + rng.normal(0), x = 2.0 * rng.normal(1), c = 2.0 * rng.uniform(6);

@@ -38,8 +38,9 @@ struct WcpgOptions : OffPolicyOptions {
                 "second_moment: published, noisy where values are large; squared_td: of the temporal difference",
                 one_of("second_moment|squared_td")),
           field("variance_loss", &WcpgOptions::variance_loss,
-                "wasserstein: published, too low on sampled targets; unbiased: half the squared error of the variance",
-                one_of("wasserstein|unbiased")),
+                "wasserstein: published, too low on sampled targets; unbiased: half the squared error of the variance; "
+                "divergence: Kullback-Leibler's, unbiased and in the unit of the mean's",
+                one_of("wasserstein|unbiased|divergence")),
           field("entropy_in_variance", &WcpgOptions::entropy_in_variance,
                 "the variance is that of the soft return, entropy included"),
       });
@@ -48,6 +49,8 @@ struct WcpgOptions : OffPolicyOptions {
     OffPolicyOptions::check(place);
     if (alpha_min > alpha_max)
       throw error_at(place, "'alpha_min' must be at most 'alpha_max' = ", alpha_max, ", got ", alpha_min);
+    if (variance_loss == "divergence" && variance_target != "squared_td")
+      throw error_at(place, "'variance_loss' divergence needs 'variance_target' squared_td: the other may be negative");
     if (alpha_min < alpha_max && (alpha < alpha_min || alpha > alpha_max))
       throw error_at(place, "'alpha' must be from 'alpha_min' to 'alpha_max', ", alpha_min, " to ", alpha_max, ", got ",
                      alpha);
@@ -57,7 +60,10 @@ struct WcpgOptions : OffPolicyOptions {
   double acts_at() const { return alpha_min == alpha_max ? alpha_min : alpha; }
   CvarForm cvar_form() const { return cvar_coef == "literal" ? CvarForm::kLiteral : CvarForm::kCorrect; }
   ReturnLossOptions loss() const {
-    return {discount, variance_target == "second_moment", variance_loss == "wasserstein", entropy_in_variance};
+    const VarianceLoss form = variance_loss == "wasserstein" ? VarianceLoss::kWasserstein
+                              : variance_loss == "unbiased"  ? VarianceLoss::kUnbiased
+                                                             : VarianceLoss::kDivergence;
+    return {discount, variance_target == "second_moment", form, entropy_in_variance};
   }
 };
 

@@ -138,7 +138,7 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
   ReproductionPage page;
   page.title = paper.title;
   page.source = paper.source;
-  page.label = reproduction_label(results.reproduction);
+  page.label = results.label();
   page.findings = findings(results);
   page.warnings = results.failures;
   page.run_command = command;

@@ -137,10 +137,26 @@ const Sweep& ClaimScores::sweep_of(const FormulaValue& name) const {
   throw Error(cat("unknown sweep '", text, "'", did_you_mean(text, sweeps)));
 }
 
+const std::vector<std::size_t>& ClaimScores::members(const Place& place) const {
+  const auto [known, is_new] = members_.try_emplace(cat(place.source - sources_.data(), "/", place.policy));
+  std::vector<std::size_t>& members = known->second;
+  const StudyPolicy& policy = place.source->study->policies[place.policy];
+  for (std::size_t member = 0; is_new && member < policy.count(); ++member) members.push_back(member);
+  if (is_new && place.source->store != nullptr) {
+    for (const Trial& trial : place.source->plan->trials) {
+      if (trial.kind != Trial::Kind::kTrain || trial.policy != place.policy) continue;
+      if (training_failure(*place.source->plan, trial, *place.source->store)) std::erase(members, trial.member);
+    }
+  }
+  if (members.empty()) throw NotTestable(cat("no training of '", policy.name, "' ended with a policy"));
+  return members;
+}
+
 void ClaimScores::count_seeds(const Place& place) const {
   const StudyPolicy& policy = place.source->study->policies[place.policy];
   if (policy.kind != StudyPolicy::Kind::kTrain) return;
-  fewest_seeds_ = std::min(fewest_seeds_.value_or(policy.count()), policy.count());
+  const std::size_t count = members(place).size();
+  fewest_seeds_ = std::min(fewest_seeds_.value_or(count), count);
 }
 
 FormulaValue ClaimScores::score(const std::string& metric, const Arguments& arguments) const {
@@ -214,8 +230,12 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   }
   std::vector<std::string> missing;
   std::vector<Sampled> cells;
-  for (const TrialGroup& group : trial_groups(*place.source->plan)) {
+  const std::vector<std::size_t>& measured = members(place);
+  for (TrialGroup group : trial_groups(*place.source->plan)) {
     if (group.policy != place.policy || group.sweep != place.sweep) continue;
+    std::erase_if(group.trials, [&](std::size_t trial) {
+      return !std::ranges::binary_search(measured, place.source->plan->trials[trial].member);
+    });
     MemberRows rows(*place.source->plan, group, *place.source->store, missing);
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
     Bootstrap& bootstrap = resampling(study, place.policy);
@@ -238,6 +258,7 @@ std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) con
   }
   for (const Trial& trial : place.source->plan->trials) {
     if (trial.kind != Trial::Kind::kTrain || trial.policy != place.policy) continue;
+    if (!std::ranges::binary_search(members(place), trial.member)) continue;
     const std::optional<StoredTrial> stored = place.source->store->load(kind_name(trial.kind), trial.id);
     if (!stored) throw NotTestable(cat("not measured: ", trial.what));
     curves.push_back(read_curve(stored->read(kCurveFile), trial.id));

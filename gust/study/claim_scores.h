@@ -35,7 +35,8 @@ struct ClaimView {
 ///
 /// Every number is the mean over training seeds (over episodes for a policy that is one alone), and its resamples draw
 /// whole seeds: the same ones for all that is asked of a policy, so that what its scores share cancels, and for
-/// policies of the same trainings (other steps or risk levels). Others are drawn independently of each other.
+/// policies of the same trainings (other steps or risk levels). Others are drawn independently of each other. A seed
+/// whose training ended without a policy is left out, and not counted.
 class ClaimScores final : public FormulaData {
  public:
   ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng);
@@ -64,6 +65,8 @@ class ClaimScores final : public FormulaData {
   std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;
   /// The learning curves of a policy's seeds, all as long as the shortest.
   std::vector<std::vector<CurvePoint>> curves(const Place& place) const;
+  /// The seeds of a policy that have one.
+  const std::vector<std::size_t>& members(const Place& place) const;
   void count_seeds(const Place& place) const;
   Bootstrap& resampling(const Study& study, std::size_t policy) const;
 
@@ -72,6 +75,7 @@ class ClaimScores final : public FormulaData {
   Rng rng_;
   mutable std::map<std::string, std::vector<Sampled>> known_;
   mutable std::map<std::string, Bootstrap> resampling_;
+  mutable std::map<std::string, std::vector<std::size_t>> members_;
   mutable std::optional<std::size_t> fewest_seeds_;
 };
 

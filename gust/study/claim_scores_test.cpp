@@ -6,6 +6,7 @@
 #include "gust/study/run.h"
 #include "gust/study/study_fixture.h"
 #include "gust/study/summary.h"
+#include "gust/study/trials.h"
 
 using namespace gust;
 using namespace gust::test;
@@ -116,6 +117,36 @@ TEST_CASE("what is missing in the store makes a claim not testable") {
   REQUIRE(summary.claims.size() == 1);
   CHECK(summary.claims[0].verdict.ruling == Ruling::not_testable);
   CHECK(summary.claims[0].verdict.reason.find("not measured: ") == 0);
+}
+
+TEST_CASE("a seed whose training failed is left out of scores, curves and levels, and is not counted") {
+  const ScratchFolder folder("gust-claims-failed");
+  std::string text = changed(kClaim, formula("score('p') > -1"));
+  text.replace(text.find("levels = [0, 5, 30]"), 19, "levels = \"auto\"");
+  text.insert(text.find("[[policy]]"),
+              "[[policy]]\nname = \"p\"\nkind = \"train\"\nseeds = [1, 2, 3]\n"
+              "agent = { kind = \"ppo\", steps = 1_200, hidden = 8 }\n");
+  Study study = small_study({}, text);
+  const Store store(folder.path / "store", Store::Access::write);
+  const Trial diverged = expand(study, {}).trials[1];
+  TrialWriter writer = store.begin(kind_name(diverged.kind), diverged.id);
+  writer.write(kCurveFile, curve_text({{0, 1, 0, 30, 0.5, 0.125, 0.75}}));
+  writer.write(kFailureFile, "a loss is not finite");
+  writer.commit(diverged.canonical);
+
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+
+  CHECK(outcome.plan.complete);
+  const ClaimScores scores({{&study, &outcome.plan, &store}}, {"anr_h", "random"}, Rng(1));
+  const auto ask = [&](const char* formula) { return Formula(formula, {"test"}).evaluate(study.names, scores); };
+  const Summary summary = summarise(study, outcome.plan, store, 1);
+  const std::size_t random = study.starts[0].random ? 0 : 1;
+  CHECK(ask("score('p')").as_number("a test").estimate() ==
+        doctest::Approx(summary.undisturbed(0, random)).epsilon(1e-12));
+  CHECK(scores.fewest_seeds() == 2);
+  CHECK(ask("score('p', 'push')").as_list("a test").axis.size() == 11);
+  CHECK(ask("curve('p')").as_list("a test").axis.size() > 1);  // not cut to the failed one's
+  CHECK(scores.fewest_seeds() == 2);
 }
 
 TEST_CASE("what is wrong with a formula is said when the study is read") {

@@ -84,7 +84,8 @@ Json description(const PaperResults& results) {
           {"only", choice.only},
           {"seeds", choice.seeds ? Json(*choice.seeds) : Json(nullptr)},
           {"provenance", provenance},
-          {"failures", results.failures}};
+          {"failures", results.failures},
+          {"missing", results.missing}};
 }
 
 PaperResults read_description(const fs::path& file) {
@@ -96,6 +97,7 @@ PaperResults read_description(const fs::path& file) {
     if (!json.at("seeds").is_null()) choice.seeds = json.at("seeds").get<std::int64_t>();
     PaperResults results{open_reproduction(paper_at(json.at("paper").get<std::string>()), choice), {}, {}, {}, {}};
     results.failures = json.at("failures");
+    results.missing = json.at("missing");
     for (const Json& entry : json.at("provenance")) results.provenance.emplace_back(entry.at(0), entry.at(1));
     return results;
   } catch (const Json::exception& error) {
@@ -129,6 +131,19 @@ KeptTraces read_kept(const fs::path& file, const Study& study) {
 }
 
 }  // namespace
+
+std::string PaperResults::label() const {
+  const PaperProfile& profile = *reproduction.profile;
+  const std::optional<std::int64_t> seeds = reproduction.choice.seeds ? reproduction.choice.seeds : profile.seeds;
+  std::vector<std::string> parts;
+  if (profile.steps < 1.0) parts.push_back(fmt::format("{:.3g} % of the training steps", 100 * profile.steps));
+  if (seeds) parts.push_back(cat(*seeds, *seeds == 1 ? " seed" : " seeds", " of each training"));
+  if (missing > 0) parts.push_back(cat(missing, missing == 1 ? " trial is" : " trials are", " still to be run"));
+  if (parts.empty()) return "";
+  const bool decides = !seeds || *seeds >= static_cast<std::int64_t>(kSeedsForVerdict);
+  return cat(profile.steps < 1.0 ? "A miniature: " : "Not the full run: ", join(parts, ", "), ".",
+             decides ? "" : " It shows that everything runs, and decides nothing.");
+}
 
 const Summary* PaperResults::summary(std::size_t reading, std::string_view study) const {
   const std::optional<std::size_t> at = reproduction.find(reading, study);

@@ -13,6 +13,11 @@ struct PaperResults {
   std::vector<PaperVerdict> verdicts;
   std::vector<std::string> failures;                            ///< trials that did not end well, each with its reason
   std::vector<std::pair<std::string, std::string>> provenance;  ///< versions, machine, time; in order
+  std::size_t missing = 0;                                      ///< trials that are still to be run
+
+  /// What must stand wherever the numbers appear: that these are fewer steps, seeds or trials than the studies have.
+  /// Empty for the full run.
+  std::string label() const;
 
   /// The summary that a reading has of a study; null if it was not to be run.
   const Summary* summary(std::size_t reading, std::string_view study) const;

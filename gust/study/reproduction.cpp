@@ -74,18 +74,6 @@ std::optional<std::size_t> Reproduction::find(std::size_t reading, std::string_v
   return found;
 }
 
-std::string reproduction_label(const Reproduction& reproduction) {
-  const PaperProfile& profile = *reproduction.profile;
-  const std::optional<std::int64_t> seeds = reproduction.choice.seeds ? reproduction.choice.seeds : profile.seeds;
-  std::vector<std::string> parts;
-  if (profile.steps < 1.0) parts.push_back(fmt::format("{:.3g} % of the training steps", 100 * profile.steps));
-  if (seeds) parts.push_back(cat(*seeds, *seeds == 1 ? " seed" : " seeds", " of each training"));
-  if (parts.empty()) return "";
-  const bool decides = !seeds || *seeds >= static_cast<std::int64_t>(kSeedsForVerdict);
-  return cat(profile.steps < 1.0 ? "A miniature: " : "Not the full run: ", join(parts, ", "), ".",
-             decides ? "" : " It shows that everything runs, and decides nothing.");
-}
-
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice) {
   Reproduction reproduction{&paper, choice, &item_at(paper.profiles, choice.profile, "profile"), {}};
   std::vector<std::string> names;

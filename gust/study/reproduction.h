@@ -31,10 +31,6 @@ struct Reproduction {
   std::optional<std::size_t> find(std::size_t reading, std::string_view study) const;
 };
 
-/// What must stand wherever the numbers appear: that these are fewer steps or seeds than the studies have. Empty for
-/// the full run.
-std::string reproduction_label(const Reproduction& reproduction);
-
 /// Throws Error where the profile or a study is not known, or a study cannot be read.
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice);
 

@@ -86,10 +86,8 @@ void judge_stored(const Plan& plan, const Store& store, RunOutcome& outcome) {
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
     const Trial& trial = plan.trials[i];
     if (trial.kind != Trial::Kind::kTrain || outcome.outcomes[i].state != Outcome::State::done) continue;
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
-    if (stored && stored->contains(kFailureFile)) {
-      outcome.outcomes[i] = {Outcome::State::failed, stored->read(kFailureFile)};
-    }
+    const std::optional<std::string> failure = training_failure(plan, trial, store);
+    if (failure) outcome.outcomes[i] = {Outcome::State::failed, *failure};
   }
 }
 
@@ -142,6 +140,7 @@ FoundLevels found_levels(const Study& study, const Plan& plan, const Store& stor
   std::map<std::size_t, bool> complete;
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kSearch) continue;
+    if (training_failure(plan, trial, store)) continue;  // the others have levels without it
     const std::optional<double> level = found_level(store, trial);
     complete.try_emplace(trial.sweep, true);
     if (level) {
@@ -174,16 +173,17 @@ std::vector<RunOutcome> run_studies(const std::vector<Study*>& studies, const St
 
   // Those whose automatic sweeps have their levels by now go on with them.
   std::vector<std::size_t> waiting;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (!runs[i].plan.complete && !runs[i].stopped && runs[i].failed() == 0) waiting.push_back(i);
-  }
-  if (waiting.empty()) return runs;
   std::vector<Study*> again;
   std::vector<RunOutcome> rest;
-  for (const std::size_t i : waiting) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].plan.complete || runs[i].stopped) continue;
+    Plan plan = plan_with_store(*studies[i], store);
+    if (!plan.complete) continue;  // a search failed
+    waiting.push_back(i);
     again.push_back(studies[i]);
-    rest.push_back({plan_with_store(*studies[i], store), {}, 0, false});
+    rest.push_back({std::move(plan), {}, 0, false});
   }
+  if (waiting.empty()) return runs;
   run_plans(again, store, options, rest);
   for (std::size_t k = 0; k < waiting.size(); ++k) {
     rest[k].found = runs[waiting[k]].found;

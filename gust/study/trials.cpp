@@ -271,6 +271,14 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
   return onnx_policy(stored->read(kPolicyFile), training.id, study.setup, {.alpha = policy.alpha});
 }
 
+std::optional<std::string> training_failure(const Plan& plan, const Trial& trial, const Store& store) {
+  const Trial& first = trial.inputs.empty() ? trial : plan.trials[trial.inputs.front()];
+  if (first.kind != Trial::Kind::kTrain) return {};
+  const std::optional<StoredTrial> stored = store.load(kind_name(first.kind), first.id);
+  if (!stored || !stored->contains(kFailureFile)) return {};
+  return stored->read(kFailureFile);
+}
+
 std::optional<double> found_level(const Store& store, const Trial& trial) {
   if (!store.has(kind_name(trial.kind), trial.id)) return std::nullopt;
   const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);

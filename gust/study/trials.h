@@ -38,6 +38,10 @@ void measure(const Study& study, Episode episode, std::span<double> metrics);
 /// The policy of a trial; a trained one is read from the store. Throws Error if it is not there.
 std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const Trial& trial, const Store& store);
 
+/// Why the training of this trial's policy, or the trial itself if it is one, ended without a policy; none while it may
+/// still get one.
+std::optional<std::string> training_failure(const Plan& plan, const Trial& trial, const Store& store);
+
 /// The failure level of a finished search; infinite if nothing failed up to the limit, none if it is not finished.
 std::optional<double> found_level(const Store& store, const Trial& trial);
 

@@ -164,3 +164,30 @@ def test_verdicts_fit_the_terminal(small):
     lines = [line for line in seen.splitlines() if line.startswith("C5") or line.startswith("C6")]
     assert len(lines) == 4 and all(len(line) <= 70 for line in lines)
     assert any(line.endswith("...") for line in lines)
+
+
+def test_so_far_judges_what_is_there_and_runs_nothing(gust, tmp_path, small):
+    shutil.copytree(small[0], tmp_path / "some")
+    trained = sorted((tmp_path / "some/paper-quick.gust/store/train").iterdir())
+    shutil.rmtree(trained[0])
+    evaluated = sorted((tmp_path / "some/paper-quick.gust/store/evaluate").iterdir())
+    shutil.rmtree(evaluated[0])
+    so_far = [*QUICK, "--only", "table-dr", "--seeds", "1", "--so-far"]
+
+    done = gust(*so_far, cwd=tmp_path / "some")
+    assert done.stderr == ""
+    assert done.stdout.startswith("A miniature: 10 % of the training steps, 1 seed of each training, "
+                                  "2 trials are still to be run. ")
+    assert len(list((tmp_path / "some/paper-quick.gust/store/train").iterdir())) == len(trained) - 1
+    assert "2 trials are still to be run" in (tmp_path / "some/paper-quick.gust/report.html").read_text()
+
+    gust(*QUICK, "--only", "table-dr", "--seeds", "1", cwd=tmp_path / "some", seconds=120)
+    assert tables(tmp_path / "some/paper-quick.gust") == tables(small[0] / "paper-quick.gust")
+
+
+def test_so_far_of_nothing_tests_no_claim(gust, tmp_path):
+    done = gust(*QUICK, "--only", "white", "--only", "training-noise", "--so-far", "--json", seconds=60)
+    answer = json.loads(done.stdout)
+    assert {claim["verdict"] for claim in answer["claims"]} == {"not testable"}
+    gust("report", "paper-quick.gust")
+    assert "trials are still to be run" in (tmp_path / "paper-quick.gust/reproduce.md").read_text()

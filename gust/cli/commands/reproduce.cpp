@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "gust/cli/command.h"
 #include "gust/cli/progress.h"
@@ -24,6 +25,7 @@ struct Options {
   std::string paper, out;
   ReproductionChoice choice;
   std::size_t threads = 0;
+  bool so_far = false;
   bool json = false;
 };
 
@@ -31,6 +33,26 @@ struct Run {
   std::vector<RunOutcome> outcomes;  ///< of the studies
   int stopped = kDone;               ///< the exit code if it was
 };
+
+/// Only what the store holds already, as if it were stopped before the first trial.
+Run look_up_all(Reproduction& reproduction, const Store& store) {
+  std::stop_source stopped;
+  stopped.request_stop();
+  std::vector<Study*> studies;
+  for (ReproductionStudy& part : reproduction.studies) studies.push_back(&part.study);
+  return {run_studies(studies, store, {1, stopped.get_token(), {}}), kDone};
+}
+
+/// The trials of all studies that have not been run; readings share some.
+std::size_t still_to_run(const std::vector<RunOutcome>& outcomes) {
+  std::set<std::string> ids;
+  for (const RunOutcome& outcome : outcomes) {
+    for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {
+      if (outcome.outcomes[i].state == Outcome::State::stopped) ids.insert(outcome.plan.trials[i].id);
+    }
+  }
+  return ids.size();
+}
 
 Run run_all(Reproduction& reproduction, const Store& store, std::size_t threads) {
   SignalWatch signals;
@@ -53,7 +75,8 @@ std::vector<std::string> all_complaints(const std::vector<RunOutcome>& outcomes)
 
 PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
                      std::size_t threads) {
-  PaperResults results{std::move(reproduction), {}, {}, all_complaints(outcomes), provenance()};
+  PaperResults results{std::move(reproduction), {}, {}, all_complaints(outcomes), provenance(),
+                       still_to_run(outcomes)};
   std::vector<Plan> plans;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     plans.push_back(outcomes[i].plan);
@@ -74,7 +97,7 @@ std::string verdicts_text(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   const std::size_t columns = terminal_columns(STDOUT_FILENO, std::string::npos);
   std::string text;
-  if (const std::string label = reproduction_label(results.reproduction); !label.empty()) text += cat(label, "\n\n");
+  if (const std::string label = results.label(); !label.empty()) text += cat(label, "\n\n");
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const std::vector<const PaperVerdict*> on = results.on(c);
     if (on.empty()) continue;
@@ -131,7 +154,7 @@ int reproduce(Options& options) {
   check_folder(folder.path(), reproduction);
   const std::size_t threads = thread_count(options.threads);
   const Store store(folder.store(), Store::Access::write, tell);
-  const Run run = run_all(reproduction, store, threads);
+  const Run run = options.so_far ? look_up_all(reproduction, store) : run_all(reproduction, store, threads);
   if (run.stopped != kDone) {
     tell("stopped; the same command goes on from here");
     return run.stopped;
@@ -192,6 +215,7 @@ void command_reproduce(CLI::App& app, int& exit_code) {
       ->type_name("DIR");
   command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
       ->check(CLI::Range(1, 1024));
+  command->add_flag("--so-far", options->so_far, "run nothing: judge what earlier runs have left");
   command->add_flag("--json", options->json, "verdicts as one JSON object");
   command->footer(
       "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust");
