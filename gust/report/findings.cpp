@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "gust/core/text.h"
+#include "gust/report/html.h"
 #include "gust/report/reproduction_results.h"
 
 namespace gust {
@@ -40,8 +41,9 @@ std::string counts_sentence(const PaperResults& results) {
   const std::vector<std::size_t> counts = verdict_counts(results);
   std::size_t asked = 0;
   for (const std::size_t count : counts) asked += count;
-  return cat("Of ", asked, " claims ", counts[0], " hold, ", counts[1], " fail, ", counts[2], " are undecided and ",
-             counts[3], " cannot be tested, under the reading that decides each.");
+  return cat("Of ", counted(asked, "claim", "claims"), " ", counted(counts[0], "holds", "hold"), ", ",
+             counted(counts[1], "fails", "fail"), ", ", counted(counts[2], "is", "are"), " undecided and ", counts[3],
+             " cannot be tested, under the reading that decides each.");
 }
 
 std::string hardness_sentence(const PaperResults& results) {
@@ -52,7 +54,7 @@ std::string hardness_sentence(const PaperResults& results) {
     ++hard;
     hold += on.front()->verdict.ruling == Ruling::holds ? 1 : 0;
   }
-  return hard == 0 ? "" : cat("Of the ", hard, " that the paper states as facts, ", hold, " hold.");
+  return hard == 0 ? "" : cat("Of the ", hard, " that the paper states as facts, ", counted(hold, "holds", "hold"), ".");
 }
 
 /// Claims that hold under one reading of the paper and fail under another; the printed tables are no reading of ours.

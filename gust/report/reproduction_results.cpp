@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gust/core/text.h"
+#include "gust/report/html.h"
 #include "gust/report/study_page.h"
 
 namespace gust {
@@ -93,6 +94,32 @@ void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summ
   }
 }
 
+/// "200 000 steps".
+std::string steps_text(std::int64_t steps) {
+  std::string rest;
+  for (; steps >= 1000; steps /= 1000) rest = cat(fmt::format(" {:03}", steps % 1000), rest);
+  return cat(steps, rest, " steps");
+}
+
+/// "sac: 5 seeds of 200 000 steps; ppo, rarl, rap: 10 seeds of 1 000 000 steps", of what was trained.
+std::string trained_text(const Study& study) {
+  constexpr std::size_t kMostNames = 8;
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // by seeds and steps
+  for (const StudyPolicy& policy : study.policies) {
+    if (policy.kind != StudyPolicy::Kind::kTrain) continue;
+    std::string much = cat(counted(policy.count(), "seed", "seeds"), " of ", steps_text(policy.agent->steps()));
+    auto at = std::ranges::find(groups, much, &decltype(groups)::value_type::first);
+    if (at == groups.end()) at = groups.insert(at, {std::move(much), {}});
+    at->second.push_back(policy.name);
+  }
+  std::vector<std::string> parts;
+  for (const auto& [much, names] : groups) {
+    const std::string who = names.size() > kMostNames ? counted(names.size(), "policy", "policies") : join(names, ", ");
+    parts.push_back(cat(who, ": ", much));
+  }
+  return parts.empty() ? "" : cat("Trained: ", join(parts, "; "), ".");
+}
+
 ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t index, const std::string& command) {
   const Paper& paper = *results.reproduction.paper;
   const PaperFigure& figure = paper.figures[index];
@@ -104,6 +131,7 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
   drawn.place = figure.place;
   drawn.title = figure.title;
   drawn.says = figure.says;
+  drawn.trained = trained_text(study);
   drawn.shows = figure.shows;
   drawn.table = table_of(paper, figure, study, summary);
   drawn.table_metric = figure.metric;

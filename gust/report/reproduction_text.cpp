@@ -4,6 +4,7 @@
 #include "gust/core/text.h"
 #include "gust/report/html.h"
 #include "gust/report/reproduction_results.h"
+#include "gust/report/verdicts.h"
 
 namespace gust {
 namespace {
@@ -90,12 +91,13 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
           "`; nothing here was typed by hand. Verdicts are at 95 % over training seeds: a claim "
           "holds if it is true throughout the interval, fails if nowhere, else it is undecided, as it is from fewer "
           "than ",
-          kSeedsForVerdict, " seeds.\n\n");
+          kSeedsForVerdict, " seeds. ", kMeasuredMeaning, "\n\n");
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
   text += "\n## How the paper can be read\n\n";
   for (const auto& reading : page.readings) text += cat("- **", reading.name, "**: ", reading.says, "\n");
   for (const auto& figure : page.figures) {
     text += cat("\n## ", figure.place, ": ", figure.title, "\n\nThe paper: ", figure.says, "\n\n");
+    if (!figure.trained.empty()) text += cat(figure.trained, "\n\n");
     if (!figure.table.empty()) text += printed_table(figure);
     if (!figure.claims.empty()) text += claims_table(page, figure);
   }

@@ -217,7 +217,7 @@ std::string verdict_picture(const ReproductionPage& page) {
   const std::string reading = "Each under the reading that decides it: the first, unless the claim says another.";
   return cat(
       "<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
-      "</dl>\n<p class=\"note\">", reading, "</p>",
+      "</dl>\n<p class=\"note\">", reading, " ", kMeasuredMeaning, "</p>",
       hang ? "<p class=\"note\"><span class=\"fold\"></span> It holds under one reading and fails under another.</p>"
            : "",
       "</div></div>\n");

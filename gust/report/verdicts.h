@@ -6,6 +6,12 @@
 
 namespace gust {
 
+/// What the number beside a verdict is.
+inline constexpr std::string_view kMeasuredMeaning =
+    "The number beside a verdict is what the claim compares with a constant; of one that compares two things, their "
+    "difference; of one with several parts, by how much the weakest part is true, in its own unit, below 0 if it is "
+    "not.";
+
 /// Pieces of a reproduction's page as HTML. A verdict has a colour and a mark, so that it can be read without colour.
 
 /// The shapes of the marks; a page needs them once.
