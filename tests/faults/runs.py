@@ -3,6 +3,7 @@
 import os
 import subprocess
 
+import pytest
 from conftest import PROGRAM
 
 STUDY = """
@@ -96,3 +97,12 @@ def leftovers(out):
     """What an interrupted run may leave in the store and a finished one may not."""
     store = out / "store"
     return [path for folder in ("aside", "checkpoints", "damaged") for path in (store / folder).rglob("*")]
+
+
+def in_own_mounts(script, folder):
+    """Runs a shell script that may mount file systems which nobody else sees; skips where that is not allowed."""
+    unshare = ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--map-root-user", "--mount"]
+    if os.geteuid() != 0 and subprocess.run([*unshare, "true"], capture_output=True).returncode != 0:
+        pytest.skip("mounting needs root or user namespaces")
+    command = [*unshare, "sh", "-euc", script, "sh", PROGRAM]
+    return subprocess.run(command, cwd=folder, env=ENVIRONMENT, text=True, capture_output=True, timeout=300)

@@ -7,8 +7,7 @@ import subprocess
 import time
 
 import pytest
-from conftest import PROGRAM
-from runs import ENVIRONMENT, Runs, ended, leftovers, trials
+from runs import Runs, ended, in_own_mounts, leftovers, trials
 
 STEPS = 100_000
 
@@ -149,15 +148,6 @@ def test_an_output_that_cannot_be_written_is_an_error_before_any_work(runs, out)
     said = runs.finish(out, code=2)
 
     assert said.startswith(f"gust: {runs.folder / out}") and said.count("\n") == 1
-
-
-def in_own_mounts(script, folder):
-    """Runs a shell script that may mount file systems which nobody else sees; skips where that is not allowed."""
-    unshare = ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--map-root-user", "--mount"]
-    if os.geteuid() != 0 and subprocess.run([*unshare, "true"], capture_output=True).returncode != 0:
-        pytest.skip("mounting needs root or user namespaces")
-    command = [*unshare, "sh", "-euc", script, "sh", PROGRAM]
-    return subprocess.run(command, cwd=folder, env=ENVIRONMENT, text=True, capture_output=True, timeout=300)
 
 
 def test_a_full_disk_fails_trials_with_the_reason_and_room_mends_it(runs, finished):
