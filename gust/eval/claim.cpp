@@ -93,6 +93,17 @@ bool satisfies(double value, Relation relation, double bound) {
   return value < bound;
 }
 
+/// The share of resamples in which a margin is not negative; not a number where one of them is none.
+double share_true(const Sampled& margin) {
+  if (margin.is_constant()) return margin.estimate() >= 0 ? 1.0 : 0.0;
+  double count = 0;
+  for (std::size_t i = 1; i < margin.values.size(); ++i) {
+    if (std::isnan(margin.values[i])) return margin.values[i];
+    count += margin.values[i] >= 0 ? 1 : 0;
+  }
+  return count / static_cast<double>(margin.values.size() - 1);
+}
+
 }  // namespace
 
 std::string claim_text(const Claim& claim) { return cat(claim.metric, " ", sign_of(claim.relation), " ", claim.bound); }
@@ -141,9 +152,10 @@ Finding judge(const Formula& formula, const FormulaNames& names, const FormulaDa
   if (std::isnan(margin.estimate)) return {measured, {Ruling::not_testable, "the estimate is not a number"}};
   if (std::isnan(margin.low) || std::isnan(margin.high))
     return {measured, {Ruling::not_testable, cat(found, "; a resample is not a number")}};
-  if (margin.low >= 0) return {measured, {Ruling::holds, found}};
-  if (margin.high < 0) return {measured, {Ruling::fails, found}};
-  return {measured, {Ruling::undecided, cat(found, "; true in some resamples of the seeds, false in others")}};
+  const double share = share_true(judged.truth.margin);
+  if (margin.low >= 0) return {measured, {Ruling::holds, found}, share};
+  if (margin.high < 0) return {measured, {Ruling::fails, found}, share};
+  return {measured, {Ruling::undecided, cat(found, "; true in some resamples of the seeds, false in others")}, share};
 }
 
 Verdict decide(const Claim& claim, const Interval& interval) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,6 +41,7 @@ struct Verdict {
 struct Finding {
   Interval measured;  ///< of what it measures (Formula::Judged)
   Verdict verdict;
+  double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples in which it is true
 };
 
 /// Holds if the statement is true throughout the interval of its margin, fails if nowhere, else it is undecided.

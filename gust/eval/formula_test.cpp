@@ -107,6 +107,9 @@ TEST_CASE("a claim holds where all resamples do, fails where none does, else it 
   CHECK(judged("at(r('lqr'), 0) > 0.5").verdict.ruling == Ruling::holds);
   CHECK(judged("at(r('lqr'), 0) > 1.5").verdict.ruling == Ruling::fails);
   CHECK(judged("at(r('lqr'), 0) > 1").verdict.ruling == Ruling::undecided);
+  CHECK(judged("at(r('lqr'), 0) > 0.5").share == 1.0);
+  CHECK(judged("at(r('lqr'), 0) > 1").share == 0.5);
+  CHECK(judged("at(r('lqr'), 0) > 1.5").share == 0.0);
   CHECK(judged("gone('lqr') > 1").verdict.ruling == Ruling::not_testable);
   CHECK(judged("gone('lqr') > 1").verdict.reason == "not measured: gone");
   CHECK(judged("at(r('lqr'), 4) > 1").verdict.ruling == Ruling::not_testable);

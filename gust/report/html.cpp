@@ -111,6 +111,8 @@ std::string short_number(double value) {
   return text;
 }
 
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
 std::string counted(std::size_t count, std::string_view one, std::string_view many) {
   return cat(count, " ", count == 1 ? one : many);
 }

@@ -24,6 +24,9 @@ std::string interval_text(const Page::Estimate& estimate, double scale);
 /// A number to three digits, on its own.
 std::string short_number(double value);
 
+/// "34 %" of a share.
+std::string percent(double share);
+
 /// "1 policy", "3 policies".
 std::string counted(std::size_t count, std::string_view one, std::string_view many);
 

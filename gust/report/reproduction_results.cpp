@@ -188,7 +188,8 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
                                 {measured.estimate, measured.low, measured.high},
                                 verdict->seeds,
                                 verdict->verdict.reason,
-                                paper.readings[verdict->reading].printed});
+                                paper.readings[verdict->reading].printed,
+                                verdict->one_training});
     }
     page.claims.push_back(std::move(shown));
   }

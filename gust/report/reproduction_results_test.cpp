@@ -54,7 +54,7 @@ PaperResults invented_results() {
     }
   }
   const auto found = [&](std::size_t claim, std::size_t reading, Ruling ruling) {
-    results.verdicts.push_back({claim, reading, {0.5, 0.25, 0.75}, {ruling, "a reason"}, 5});
+    results.verdicts.push_back({claim, reading, {0.5, 0.25, 0.75}, {ruling, "a reason"}, 5, 0.25});
   };
   found(5, 0, Ruling::holds);  // C6
   found(5, 1, Ruling::fails);
@@ -75,8 +75,10 @@ TEST_CASE("findings count verdicts and say what the numbers say") {
   const std::vector<std::string> sentences = findings(results);
 
   CHECK(verdict_counts(results) == std::vector<std::size_t>{1, 1, 1, 0});
-  CHECK(says(sentences, "Of 3 claims 1 hold, 1 fail, 1 are undecided and 0 cannot be tested"));
+  CHECK(says(sentences, "Of 3 claims 1 holds, 1 fails, 1 is undecided and 0 cannot be tested"));
   CHECK(says(sentences, "1 claim holds under one reading of the paper and fails under another: C6."));
+  CHECK(says(sentences, "3 of 3 claims would hang on the draw"));
+  CHECK(says(sentences, "those that fail would have come out true in 25 % of draws."));
   CHECK(says(sentences, "(15 cells of policy, waveform, site and level)"));  // five policies, three sites, one level
   CHECK(says(sentences, "still averages 0.50; over the whole horizon it is 0.12"));
   CHECK(says(sentences, "up to 25 % of the control steps (action white at 10 N)"));
@@ -95,7 +97,7 @@ TEST_CASE("the page and the text of a reproduction hold its figures and claims, 
 
   const std::string text = reproduction_text(results, "gust reproduce paper");
   CHECK(text.find("| C6: On the dynamics") != std::string::npos);
-  CHECK(text.find("| **holds** | 0.5 [0.25, 0.75] | fails: scg-default |") != std::string::npos);
+  CHECK(text.find("| **holds** | 0.5 [0.25, 0.75] | 25 % | fails: scg-default |") != std::string::npos);
   CHECK(text.find("## What failed\n\n- train ppo seed 1 failed") != std::string::npos);
   CHECK(text.ends_with("bar\n"));
 }

@@ -43,14 +43,14 @@ std::string other_verdicts(const ReproductionPage& page, const ReproductionPage:
 }
 
 std::string claims_table(const ReproductionPage& page, const ReproductionPage::Figure& figure) {
-  std::string text = "| claim | verdict | measured | another verdict under |\n| --- | --- | --- | --- |\n";
+  std::string text = "| claim | verdict | measured | true of one training each | another verdict under |\n| --- | --- | --- | --- | --- |\n";
   for (const auto& claim : page.claims) {
     if (std::ranges::find(figure.claims, claim.id) == figure.claims.end()) continue;
     const auto& verdict = claim.verdicts.front();
     const std::string reading = verdict.reading == 0 ? "" : cat(" (", page.readings[verdict.reading].name, ")");
     text += cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", ruling_text(verdict.ruling),
                 reading, " | ", std::isfinite(verdict.measured.value) ? number(verdict.measured) : cell(verdict.reason),
-                " | ", cell(other_verdicts(page, claim)), " |\n");
+                " | ", std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ", cell(other_verdicts(page, claim)), " |\n");
   }
   return text + "\n";
 }

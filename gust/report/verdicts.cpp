@@ -176,8 +176,9 @@ std::string folded(const ReproductionPage& page, const ReproductionPage::Claim& 
   if (others.empty() && claim.formula.empty()) return "";
   std::string stamps;
   for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
-    const auto& [reading, ruling, measured, seeds, reason, printed] = claim.verdicts[i];
-    stamps += stamp(ruling, cat(escaped(page.readings[reading].name), ": ", ruling_name(ruling)));
+    const ReproductionPage::Verdict& verdict = claim.verdicts[i];
+    stamps += stamp(verdict.ruling,
+                    cat(escaped(page.readings[verdict.reading].name), ": ", ruling_name(verdict.ruling)));
   }
   const bool asked = !claim.formula.empty();
   std::string summary = asked ? "Formula" : "";
@@ -240,6 +241,8 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   if (const std::string measured = measured_html(verdict); !measured.empty())
     details.push_back(cat("measured ", measured));
   if (verdict.seeds > 0) details.push_back(seeds_text(verdict));
+  if (std::isfinite(verdict.one_training))
+    details.push_back(cat("true of one training each in ", percent(verdict.one_training)));
   details.push_back(claim.hard ? "stated as a fact" : "stated softly");
   if (!claim.place.empty()) details.push_back(escaped(claim.place));
   if (verdict.reading > 0) details.push_back(cat("under ", escaped(page.readings[verdict.reading].name)));

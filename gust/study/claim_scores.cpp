@@ -13,25 +13,6 @@ namespace {
 
 constexpr std::size_t kResamples = 2'000;
 
-/// The statistic of the units' values and of as many resamples of them. Of one unit there is no resample that would say
-/// anything: its are not numbers.
-template <class Statistic>
-Sampled sampled(std::span<const double> units, Bootstrap& bootstrap, Statistic statistic) {
-  Sampled result{std::vector<double>(1 + bootstrap.resamples(), std::numeric_limits<double>::quiet_NaN())};
-  result.values[0] = statistic(units);
-  if (units.size() < 2) return result;
-  const std::size_t strata[] = {units.size()};
-  std::vector<double> drawn;
-  bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
-    for (std::size_t k = 0; k < times.lanes; ++k) {
-      drawn.clear();
-      for (std::size_t u = 0; u < units.size(); ++u) drawn.insert(drawn.end(), times.at(u, k), units[u]);
-      result.values[1 + first + k] = statistic(std::span<const double>(drawn));
-    }
-  });
-  return result;
-}
-
 std::vector<std::string> names_of(const auto& items) {
   std::vector<std::string> names;
   for (const auto& item : items) names.push_back(item.name);
@@ -89,6 +70,33 @@ void check_count(std::string_view function, const std::vector<FormulaValue>& arg
 }
 
 }  // namespace
+
+/// Of one unit there is no resample that would say anything: its are not numbers.
+template <class Statistic>
+Sampled ClaimScores::sampled(const Study& study, std::size_t policy, std::span<const double> units,
+                             Statistic statistic) const {
+  Sampled result{std::vector<double>(1 + kResamples, std::numeric_limits<double>::quiet_NaN())};
+  result.values[0] = statistic(units);
+  if (units.size() < 2) return result;
+  const std::string key = seeds_key(study, study.policies[policy]);
+  const Rng rng = rng_.split("claims").split(key);
+  if (view_.one_seed && study.policies[policy].kind == StudyPolicy::Kind::kTrain) {
+    for (std::size_t k = 0; k < kResamples; ++k)
+      result.values[1 + k] = statistic(units.subspan(rng.split("one").below(units.size(), k), 1));
+    return result;
+  }
+  const std::size_t strata[] = {units.size()};
+  std::vector<double> drawn;
+  Bootstrap& bootstrap = resampling_.try_emplace(key, rng, kResamples).first->second;
+  bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
+    for (std::size_t k = 0; k < times.lanes; ++k) {
+      drawn.clear();
+      for (std::size_t u = 0; u < units.size(); ++u) drawn.insert(drawn.end(), times.at(u, k), units[u]);
+      result.values[1 + first + k] = statistic(std::span<const double>(drawn));
+    }
+  });
+  return result;
+}
 
 ClaimScores::ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng)
     : sources_(std::move(sources)), view_(std::move(view)), rng_(rng) {}
@@ -198,7 +206,6 @@ FormulaValue ClaimScores::curve(std::string_view function, const Arguments& argu
   const auto column = curve_column(arguments.size() == 2 ? arguments[1].as_text(cat("'", function, "'")) : "anr_h");
   const Place place = find({arguments[0]}, function);
   count_seeds(place);
-  Bootstrap& bootstrap = resampling(*place.source->study, place.policy);
   const std::vector<std::vector<CurvePoint>> seeds = curves(place);
   FormulaList list;
   for (std::size_t i = 0; i < seeds.front().size(); ++i) {
@@ -206,7 +213,8 @@ FormulaValue ClaimScores::curve(std::string_view function, const Arguments& argu
     for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].*column);
     const CurvePoint& point = seeds.front()[i];
     list.axis.push_back(static_cast<double>(function == "own_curve" ? point.protagonist_steps : point.steps));
-    list.items.push_back({sampled(units, bootstrap, function == "curve_spread" ? sample_deviation : mean)});
+    list.items.push_back({sampled(*place.source->study, place.policy, units,
+                                  function == "curve_spread" ? sample_deviation : mean)});
   }
   return {std::move(list)};
 }
@@ -238,10 +246,9 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     });
     MemberRows rows(*place.source->plan, group, *place.source->store, missing);
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
-    Bootstrap& bootstrap = resampling(study, place.policy);
     const bool repeats = episodes_repeat(study, place.sweep, start);
     while (rows.next())
-      cells.push_back(sampled(unit_values(rows.values(start, index, repeats).view()), bootstrap, mean));
+      cells.push_back(sampled(study, place.policy, unit_values(rows.values(start, index, repeats).view()), mean));
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
   return cells;
@@ -269,11 +276,6 @@ std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) con
   for (auto& curve : curves) curve.resize(shortest);
   if (shortest == 0) throw NotTestable(cat("a training of '", policy.name, "' ended before its first point"));
   return curves;
-}
-
-Bootstrap& ClaimScores::resampling(const Study& study, std::size_t policy) const {
-  const std::string key = seeds_key(study, study.policies[policy]);
-  return resampling_.try_emplace(key, rng_.split("claims").split(key), kResamples).first->second;
 }
 
 }  // namespace gust

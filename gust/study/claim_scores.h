@@ -20,6 +20,7 @@ struct ClaimSource {
 struct ClaimView {
   std::string metric;  ///< what score() means
   std::string start;   ///< of the evaluations
+  bool one_seed = false;  ///< resamples draw one seed of each trained policy, as if it had been trained once
 };
 
 /// The functions of claims that speak of studies. A policy and a sweep are looked up in the first study that has both.
@@ -68,7 +69,9 @@ class ClaimScores final : public FormulaData {
   /// The seeds of a policy that have one.
   const std::vector<std::size_t>& members(const Place& place) const;
   void count_seeds(const Place& place) const;
-  Bootstrap& resampling(const Study& study, std::size_t policy) const;
+  /// The statistic of the units of a policy, and of its resamples.
+  template <class Statistic>
+  Sampled sampled(const Study& study, std::size_t policy, std::span<const double> units, Statistic statistic) const;
 
   std::vector<ClaimSource> sources_;
   ClaimView view_;

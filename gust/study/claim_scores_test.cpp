@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <set>
+
 #include "gust/eval/aggregate.h"
 #include "gust/study/run.h"
 #include "gust/study/study_fixture.h"
@@ -145,6 +147,17 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
         doctest::Approx(summary.undisturbed(0, random)).epsilon(1e-12));
   CHECK(scores.fewest_seeds() == 2);
   CHECK(ask("score('p', 'push')").as_list("a test").axis.size() == 11);
+
+  ClaimView view{"anr_h", "random", true};
+  const ClaimScores ones({{&study, &outcome.plan, &store}}, view, Rng(1));
+  const auto drawn = [&](const char* formula) {
+    const FormulaValue value = Formula(formula, {"test"}).evaluate(study.names, ones);
+    return std::set<double>(value.as_number("a test").values.begin() + 1, value.as_number("a test").values.end());
+  };
+  CHECK(drawn("score('p')").size() == 2);  // one training or the other
+  CHECK(drawn("score('p') + anr('p')").size() == 2);  // the same one wherever it is asked for
+  CHECK(drawn("score('lqr')").size() > 2);  // what has no seeds has episodes
+
   CHECK(ask("curve('p')").as_list("a test").axis.size() > 1);  // not cut to the failed one's
   CHECK(scores.fewest_seeds() == 2);
 }

@@ -79,12 +79,13 @@ class Judge {
   PaperVerdict ask(const Question& question) const {
     const PaperClaim& claim = paper_.claims[question.claim];
     const PaperReading& reading = paper_.readings[question.reading];
-    PaperVerdict result{question.claim, question.reading, {}, {}, 0};
+    PaperVerdict result{question.claim, question.reading, {}, {}};
     if (!claim.formula) {
       result.verdict = {Ruling::not_testable, claim.missing};
       return result;
     }
-    const ClaimScores scores(sources(claim, question.reading), view(claim, reading), Rng(1).split("paper"));
+    ClaimView view = view_of(claim, reading);
+    const ClaimScores scores(sources(claim, question.reading), view, Rng(1).split("paper"));
     Finding finding;
     try {
       const PrintedScores printed(paper_, paper_.figure(claim.figure)->table, scores.functions());
@@ -92,6 +93,11 @@ class Judge {
       const FormulaData& data = reading.printed ? static_cast<const FormulaData&>(printed) : renamed;
       finding = judge(*claim.formula, paper_.names, data);
       if (!reading.printed) result.seeds = scores.fewest_seeds().value_or(0);
+      if (result.seeds > 1) {
+        view.one_seed = true;
+        const ClaimScores ones(sources(claim, question.reading), view, Rng(1).split("paper"));
+        result.one_training = judge(*claim.formula, paper_.names, RenamedScores(ones, reading.instead)).share;
+      }
     } catch (const Error& error) {  // these data cannot answer; those with shapes only must
       if (store_ == nullptr) throw;
       finding.verdict = {Ruling::not_testable, error.what()};
@@ -147,10 +153,11 @@ class Judge {
     return all;
   }
 
-  ClaimView view(const PaperClaim& claim, const PaperReading& reading) const {
+  ClaimView view_of(const PaperClaim& claim, const PaperReading& reading) const {
     const std::string metric = metric_of(claim);
     const auto other = reading.instead.find(metric);
-    return {other == reading.instead.end() ? metric : other->second, reading.start.empty() ? "random" : reading.start};
+    return {other == reading.instead.end() ? metric : other->second, reading.start.empty() ? "random" : reading.start,
+            false};
   }
 
   const Reproduction& reproduction_;

@@ -41,6 +41,8 @@ struct PaperVerdict {
   Interval measured;
   Verdict verdict;
   std::size_t seeds = 0;  ///< the fewest of any trained policy that was asked; 0 if none was
+  /// How likely it is to be true of one training of each policy, drawn from the seeds; not a number if that says nothing.
+  double one_training = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A verdict needs this many seeds; from fewer a claim is undecided.

@@ -124,6 +124,7 @@ std::string verdicts_json(const PaperResults& results) {
                       {"low", number(verdict.measured.low)},
                       {"high", number(verdict.measured.high)},
                       {"seeds", verdict.seeds},
+                      {"one_training", number(verdict.one_training)},
                       {"reason", verdict.verdict.reason}});
   }
   return Json{{"paper", paper.name},
