@@ -166,7 +166,7 @@ std::vector<std::string> other_claims(const ReproductionPage& page) {
 std::vector<Section> sections(const ReproductionPage& page, const std::vector<PageData>& data) {
   std::vector<Section> out;
   out.push_back({"verdicts", "Verdicts", cat("What became of ", counted(page.claims.size(), "claim", "claims")),
-                 cat(mark_shapes(), verdict_picture(page))});
+                 cat(mark_shapes(), verdict_picture(page), partings_html(page))});
   if (const std::string table = reading_table(page); !table.empty())
     out.push_back({"readings", "Readings", "What hangs on a reading", table});
   for (std::size_t i = 0; i < page.figures.size(); ++i) out.push_back(figure_section(page, page.figures[i], data[i]));

@@ -97,6 +97,8 @@ TEST_CASE("the page and the text of a reproduction hold its figures and claims, 
 
   const std::string text = reproduction_text(results, "gust reproduce paper");
   CHECK(text.find("| C6: On the dynamics") != std::string::npos);
+  CHECK(text.find("- It is the seeds: of one training of each policy it would be true in 10 to 90 % of draws. "
+                  "2 claims: C7, C8.\n") != std::string::npos);
   CHECK(text.find("| **holds** | 0.5 [0.25, 0.75] | 25 % | fails: scg-default |") != std::string::npos);
   CHECK(text.find("## What failed\n\n- train ppo seed 1 failed") != std::string::npos);
   CHECK(text.ends_with("bar\n"));

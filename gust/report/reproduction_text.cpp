@@ -93,6 +93,13 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
           "than ",
           kSeedsForVerdict, " seeds. ", kMeasuredMeaning, "\n\n");
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
+  const std::vector<Parting> parting = partings(page);
+  if (!parting.empty()) text += "\n## What does not reproduce, and the most likely reason\n\n";
+  for (const auto& [why, claims] : parting) {
+    std::vector<std::string> ids;
+    for (const auto* claim : claims) ids.push_back(claim->id);
+    text += cat("- ", why, " ", counted(ids.size(), "claim", "claims"), ": ", join(ids, ", "), ".\n");
+  }
   text += "\n## How the paper can be read\n\n";
   for (const auto& reading : page.readings) text += cat("- **", reading.name, "**: ", reading.says, "\n");
   for (const auto& figure : page.figures) {

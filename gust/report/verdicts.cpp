@@ -7,6 +7,7 @@
 #include "gust/core/error.h"
 #include "gust/core/text.h"
 #include "gust/report/html.h"
+#include "gust/study/reproduction.h"
 
 namespace gust {
 namespace {
@@ -43,6 +44,12 @@ std::string_view meaning(Ruling ruling) {
 /// The verdict of the main reading.
 Ruling main_ruling(const ReproductionPage::Claim& claim) {
   return claim.verdicts.empty() ? Ruling::not_testable : claim.verdicts.front().ruling;
+}
+
+/// Whether a claim has this verdict under a reading of ours, or of the paper's printed numbers.
+bool ruled(const ReproductionPage::Claim& claim, Ruling ruling, bool printed) {
+  return std::ranges::any_of(
+      claim.verdicts, [&](const auto& verdict) { return verdict.ruling == ruling && verdict.printed == printed; });
 }
 
 std::string link_to(const ReproductionPage::Claim& claim) {
@@ -202,11 +209,50 @@ std::string mark_shapes() {
 }
 
 bool hangs_on_reading(const ReproductionPage::Claim& claim) {
-  const auto some = [&](Ruling ruling) {
-    return std::ranges::any_of(claim.verdicts,
-                               [&](const auto& verdict) { return verdict.ruling == ruling && !verdict.printed; });
+  return ruled(claim, Ruling::holds, false) && ruled(claim, Ruling::fails, false);
+}
+
+std::vector<Parting> partings(const ReproductionPage& page) {
+  using Claim = ReproductionPage::Claim;
+  const std::pair<const char*, bool (*)(const Claim&)> reasons[] = {
+      {"Too few seeds to decide.",
+       [](const Claim& claim) {
+         const std::size_t seeds = claim.verdicts.front().seeds;
+         return seeds > 0 && seeds < kSeedsForVerdict;
+       }},
+      {"It is the reading: under another one than the main one it holds.",
+       [](const Claim& claim) { return ruled(claim, Ruling::holds, false); }},
+      {"It is the seeds: of one training of each policy it would be true in 10 to 90 % of draws.",
+       [](const Claim& claim) {
+         const double share = claim.verdicts.front().one_training;
+         return share >= 0.1 && share <= 0.9;
+       }},
+      {"The paper's own printed numbers do not show it either.",
+       [](const Claim& claim) { return ruled(claim, Ruling::fails, true); }},
+      {"None that these data know: hardly a training shows it, under no reading.", [](const Claim&) { return true; }},
   };
-  return some(Ruling::holds) && some(Ruling::fails);
+  std::vector<Parting> found;
+  for (const auto& [why, applies] : reasons) found.push_back({why, {}});
+  for (const Claim& claim : page.claims) {
+    if (main_ruling(claim) != Ruling::fails && main_ruling(claim) != Ruling::undecided) continue;
+    std::size_t reason = 0;
+    while (!reasons[reason].second(claim)) ++reason;
+    found[reason].claims.push_back(&claim);
+  }
+  std::erase_if(found, [](const Parting& parting) { return parting.claims.empty(); });
+  return found;
+}
+
+std::string partings_html(const ReproductionPage& page) {
+  std::string items;
+  for (const Parting& parting : partings(page)) {
+    std::vector<std::string> links;
+    for (const auto* claim : parting.claims) links.push_back(link_to(*claim));
+    items += cat("<div><dt>", escaped(parting.why), "</dt><dd>", counted(links.size(), "claim", "claims"), ": ",
+                 join(links, ", "), "</dd></div>\n");
+  }
+  if (items.empty()) return "";
+  return cat("<h3>What does not reproduce, and the most likely reason</h3>\n<dl class=\"facts\">\n", items, "</dl>\n");
 }
 
 std::string verdict_picture(const ReproductionPage& page) {

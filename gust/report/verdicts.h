@@ -17,6 +17,17 @@ inline constexpr std::string_view kMeasuredMeaning =
 /// The shapes of the marks; a page needs them once.
 std::string mark_shapes();
 
+/// Claims that do not hold, by what most likely parts the paper's result from ours: the first of these reasons that the
+/// data give. Every such claim is in one of them.
+struct Parting {
+  std::string why;  ///< a sentence
+  std::vector<const ReproductionPage::Claim*> claims;
+};
+std::vector<Parting> partings(const ReproductionPage& page);
+
+/// The same as a list; empty if there are none.
+std::string partings_html(const ReproductionPage& page);
+
 /// All verdicts of the main reading: a cell a claim that leads to it, and how many there are of each.
 std::string verdict_picture(const ReproductionPage& page);
 
