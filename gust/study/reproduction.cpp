@@ -93,9 +93,9 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       if (!wanted(choice, study) || (r > 0 && !changed)) continue;
       const std::string file = cat("studies/paper/", study, ".toml");
       const std::string_view text = paper_study(study);
-      std::vector<std::string> settings =
-          profile_settings(parse_study(text, file, {}, no_files), *reproduction.profile, seeds);
-      std::ranges::move(reading_settings(reading, study), std::back_inserter(settings));
+      std::vector<std::string> settings = reading_settings(reading, study);
+      std::ranges::move(profile_settings(parse_study(text, file, settings, no_files), *reproduction.profile, seeds),
+                        std::back_inserter(settings));
       reproduction.studies.push_back({r, f, parse_study(text, file, settings, no_files)});
     }
   }

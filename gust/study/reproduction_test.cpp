@@ -4,7 +4,17 @@
 
 #include <set>
 
+#include <set>
+
 using namespace gust;
+
+TEST_CASE("a miniature trains a share of what a reading says") {
+  const Reproduction reproduction =
+      open_reproduction(paper_at("paper"), {.profile = "quick", .only = {"table-dr"}, .seeds = 1});
+  std::set<std::int64_t> steps;
+  for (const ReproductionStudy& part : reproduction.studies) steps.insert(part.study.policies[1].agent->steps());
+  CHECK(steps == std::set<std::int64_t>{100'000, 500'000});
+}
 
 TEST_CASE("the paper has its 72 claims, and each can be asked under each reading that bears on it") {
   const Paper& paper = paper_at("paper");
