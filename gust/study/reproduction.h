@@ -41,7 +41,8 @@ struct PaperVerdict {
   Interval measured;
   Verdict verdict;
   std::size_t seeds = 0;  ///< the fewest of any trained policy that was asked; 0 if none was
-  /// How likely it is to be true of one training of each policy, drawn from the seeds; not a number if that says nothing.
+  /// How likely it is to be true of one training of each policy, drawn from the seeds. Not a number where there are no
+  /// seeds, or the claim speaks of intervals.
   double one_training = std::numeric_limits<double>::quiet_NaN();
 };
 
