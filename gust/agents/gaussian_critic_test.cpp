@@ -95,9 +95,8 @@ TEST_CASE("8.6.2 networks learn the moments of an endless stream, each loss its 
     WcpgOptions options;
     double variance, within;
   };
-  for (const Case& which :
-       {Case{fixed_profile(), 5.263, 0.05}, Case{unbiased(), 5.263, 0.05}, Case{squared_wasserstein(), 4.849, 0.05},
-        Case{small(), 5.399, 0.15}}) {
+  for (const Case& which : {Case{fixed_profile(), 5.263, 0.05}, Case{unbiased(), 5.263, 0.05},
+                            Case{squared_wasserstein(), 4.849, 0.05}, Case{small(), 5.399, 0.15}}) {
     Chain chain(which.options, 0);
 
     chain.train(8'000);
@@ -144,7 +143,8 @@ TEST_CASE("8.6.6 one conditional network finds the best action of every risk lev
   };
   for (const Case& which :
        {Case{fixed_profile(), {0.2849, 0.4314, 0.6267, 1.0}}, Case{unbiased(), {0.2849, 0.4314, 0.6267, 1.0}},
-        Case{squared_wasserstein(), {0.357, 0.541, 0.785, 1.0}}, Case{small(), {0.33, 0.63, 0.955, 1.0}}, Case{literal, {0.680, 0.810, 0.982, 1.0}}}) {
+        Case{squared_wasserstein(), {0.357, 0.541, 0.785, 1.0}}, Case{small(), {0.33, 0.63, 0.955, 1.0}},
+        Case{literal, {0.680, 0.810, 0.982, 1.0}}}) {
     WcpgOptions options = which.options;
     options.alpha_min = 0.05;
     RiskBandit<GaussianCritic, WcpgOptions> bandit(options, kShape, {options.alpha_min, 1.0});

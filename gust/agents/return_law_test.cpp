@@ -62,8 +62,7 @@ ReturnLaw chain(const ReturnLossOptions& options) {
 constexpr ReturnLossOptions kPublished{.discount = 0.9};
 constexpr ReturnLossOptions kTdBiased{.discount = 0.9, .second_moment = false};
 constexpr ReturnLossOptions kUnbiased{.discount = 0.9, .second_moment = false, .loss = VarianceLoss::kUnbiased};
-constexpr ReturnLossOptions kDivergent{
-    .discount = 0.9, .second_moment = false, .loss = VarianceLoss::kDivergence};
+constexpr ReturnLossOptions kDivergent{.discount = 0.9, .second_moment = false, .loss = VarianceLoss::kDivergence};
 constexpr ReturnLossOptions kSecondUnbiased{.discount = 0.9, .loss = VarianceLoss::kUnbiased};
 
 }  // namespace
@@ -89,6 +88,7 @@ TEST_CASE("8.6.2 the Wasserstein loss has its own fixed points") {
 TEST_CASE("8.6.3 the moments of a chain of ten rewards, unbiased and not") {
   CHECK(std::abs(chain(kUnbiased).mean - 6.513216) < 1e-6);
   CHECK(std::abs(chain(kUnbiased).variance() - 4.623281) < 1e-6);
+  CHECK(std::abs(chain(kDivergent).variance() - 4.623281) < 1e-6);
   CHECK(std::abs(chain(kSecondUnbiased).variance() - 4.623281) < 1e-6);
   CHECK(std::abs(chain(kTdBiased).variance() - 4.080886) < 1e-5);
   CHECK(std::abs(chain(kPublished).variance() - 3.495433) < 1e-4);

@@ -147,8 +147,8 @@ TEST_CASE("impossible risk levels of WCPG are errors that say what would be righ
   CHECK_THROWS_WITH_AS(wcpg({{"alpha_min", number(0.5)}}),
                        "test: 'alpha' must be from 'alpha_min' to 'alpha_max', 0.5 to 1, got 0.3", Error);
   CHECK_THROWS_AS(wcpg({{"cvar_coef", text("printed")}}), Error);
-  CHECK_THROWS_WITH_AS(
-      wcpg({{"variance_loss", text("divergence")}}),
-      "test: 'variance_loss' divergence needs 'variance_target' squared_td: the other may be negative", Error);
+  CHECK_THROWS_WITH_AS(wcpg({{"variance_loss", text("divergence")}}),
+                       "test: 'variance_loss' divergence needs 'variance_target' squared_td: the other may be negative",
+                       Error);
   CHECK_NOTHROW(wcpg({{"alpha_min", number(0.1)}, {"alpha_max", number(0.1)}}));  // a fixed level needs no other
 }

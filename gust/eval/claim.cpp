@@ -1,5 +1,6 @@
 #include "gust/eval/claim.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -93,15 +94,14 @@ bool satisfies(double value, Relation relation, double bound) {
   return value < bound;
 }
 
-/// The share of resamples in which a margin is not negative; not a number where one of them is none.
+/// The share of resamples in which a statement is true; where it has no value it is not. Not a number if it has none in
+/// any of them.
 double share_true(const Sampled& margin) {
   if (margin.is_constant()) return margin.estimate() >= 0 ? 1.0 : 0.0;
-  double count = 0;
-  for (std::size_t i = 1; i < margin.values.size(); ++i) {
-    if (std::isnan(margin.values[i])) return margin.values[i];
-    count += margin.values[i] >= 0 ? 1 : 0;
-  }
-  return count / static_cast<double>(margin.values.size() - 1);
+  const std::span<const double> resamples = std::span(margin.values).subspan(1);
+  if (std::ranges::all_of(resamples, [](double value) { return std::isnan(value); })) return resamples.front();
+  const auto count = std::ranges::count_if(resamples, [](double value) { return value >= 0; });
+  return static_cast<double>(count) / static_cast<double>(resamples.size());
 }
 
 }  // namespace
@@ -148,11 +148,11 @@ Finding judge(const Formula& formula, const FormulaNames& names, const FormulaDa
     if (std::abs(*end) < std::numeric_limits<double>::min()) *end = 0.0;  // what strict relations between equals give
   }
   const Interval margin = interval_of(judged.truth.margin);
-  const std::string found = interval_text(measured);
-  if (std::isnan(margin.estimate)) return {measured, {Ruling::not_testable, "the estimate is not a number"}};
-  if (std::isnan(margin.low) || std::isnan(margin.high))
-    return {measured, {Ruling::not_testable, cat(found, "; a resample is not a number")}};
   const double share = share_true(judged.truth.margin);
+  const std::string found = interval_text(measured);
+  if (std::isnan(margin.estimate)) return {measured, {Ruling::not_testable, "the estimate is not a number"}, share};
+  if (std::isnan(margin.low) || std::isnan(margin.high))
+    return {measured, {Ruling::not_testable, cat(found, "; a resample is not a number")}, share};
   if (margin.low >= 0) return {measured, {Ruling::holds, found}, share};
   if (margin.high < 0) return {measured, {Ruling::fails, found}, share};
   return {measured, {Ruling::undecided, cat(found, "; true in some resamples of the seeds, false in others")}, share};

@@ -243,6 +243,14 @@ std::vector<Sampled> FormulaValue::as_numbers(std::string_view what) const {
 Formula::Formula(std::string_view text, const Place& place)
     : text_(text), place_(place), root_(parse_formula(text, place)) {}
 
+bool Formula::calls(std::string_view function) const {
+  const auto in = [&](const auto& self, const Node& node) -> bool {
+    return (node.kind == Node::Kind::call && node.text == function) ||
+           std::ranges::any_of(node.parts, [&](const Node& part) { return self(self, part); });
+  };
+  return in(in, root_);
+}
+
 FormulaValue Formula::evaluate(const FormulaNames& names, const FormulaData& data) const {
   return Evaluator(text_, place_, names, data).value(root_);
 }

@@ -69,6 +69,8 @@ class Formula {
   Formula(std::string_view text, const Place& place);
 
   const std::string& text() const { return text_; }
+  /// Whether it calls this function anywhere.
+  bool calls(std::string_view function) const;
 
   /// Throws Error where names, types or arguments are wrong, NotTestable where data are missing.
   FormulaValue evaluate(const FormulaNames& names, const FormulaData& data) const;

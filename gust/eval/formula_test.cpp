@@ -143,6 +143,14 @@ TEST_CASE("what is wrong with a formula is said with its column") {
   CHECK(problem("[1e999]").ends_with("expected a finite number"));
 }
 
+TEST_CASE("a formula knows the functions that it calls, wherever they stand") {
+  const Formula formula("all(alike (mean(r(a)), 1, 0.1) for a in agents) or not 1 > 2", {"study"});
+  CHECK(formula.calls("alike"));
+  CHECK(formula.calls("mean"));
+  CHECK_FALSE(formula.calls("agents"));
+  CHECK_FALSE(formula.calls("min"));
+}
+
 TEST_CASE("a claim must be a statement") {
   CHECK_THROWS_WITH(judged("area(r('ppo'))"),
                     "study: claim 'area(r('ppo'))', column 1: a claim is a statement such as a > b, this is a number");

@@ -4,6 +4,7 @@
 #include "gust/core/text.h"
 #include "gust/report/html.h"
 #include "gust/report/reproduction_results.h"
+#include "gust/report/verdicts.h"
 
 namespace gust {
 namespace {
@@ -52,7 +53,8 @@ std::string hardness_sentence(const PaperResults& results) {
     ++hard;
     hold += on.front()->verdict.ruling == Ruling::holds ? 1 : 0;
   }
-  return hard == 0 ? "" : cat("Of the ", hard, " that the paper states as facts, ", counted(hold, "holds", "hold"), ".");
+  return hard == 0 ? ""
+                   : cat("Of the ", hard, " that the paper states as facts, ", counted(hold, "holds", "hold"), ".");
 }
 
 /// Claims that hold under one reading of the paper and fail under another; the printed tables are no reading of ours.
@@ -76,23 +78,22 @@ std::string reading_sentence(const PaperResults& results) {
 
 /// How often one training of each policy, in place of all of them, would have shown what the paper says.
 std::string one_training_sentence(const PaperResults& results) {
-  std::size_t asked = 0, open = 0;
-  double failing = 0, fails = 0;
+  std::size_t asked = 0, either_way = 0, failing = 0;
+  double shares_of_failing = 0;
   for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
     const std::vector<const PaperVerdict*> on = results.on(c);
     if (on.empty() || !std::isfinite(on.front()->one_training)) continue;
-    const double share = on.front()->one_training;
     ++asked;
-    open += share > 0.1 && share < 0.9 ? 1 : 0;
+    either_way += hangs_on_draw(on.front()->one_training) ? 1 : 0;
     if (on.front()->verdict.ruling != Ruling::fails) continue;
-    failing += share;
-    ++fails;
+    ++failing;
+    shares_of_failing += on.front()->one_training;
   }
   if (asked == 0) return "";
-  return cat("With one training of each policy in place of all seeds, ", open, " of ", asked,
-             " claims would hang on the draw (true in 10 to 90 % of them)",
-             fails == 0 ? "" : cat("; those that fail would have come out true in ", percent(failing / fails), " of draws"),
-             ".");
+  const std::string failed = cat("; the ", failing, " of them that fail would have come out true in ",
+                                 percent(shares_of_failing / static_cast<double>(failing)), " of draws");
+  return cat("With one training of each policy in place of all seeds, ", either_way, " of ", asked,
+             " claims would hang on the draw (true in 10 to 90 % of them)", failing == 0 ? "" : failed, ".");
 }
 
 /// What the paper's metric makes of episodes that fail early.
@@ -202,9 +203,9 @@ std::string budget_sentence(const PaperResults& results) {
 
 std::vector<std::string> findings(const PaperResults& results) {
   std::vector<std::string> sentences;
-  for (std::string sentence : {counts_sentence(results), hardness_sentence(results), reading_sentence(results), one_training_sentence(results),
-                               early_failure_sentence(results), saturation_sentence(results),
-                               regulator_sentence(results), budget_sentence(results)}) {
+  for (std::string sentence : {counts_sentence(results), hardness_sentence(results), reading_sentence(results),
+                               one_training_sentence(results), early_failure_sentence(results),
+                               saturation_sentence(results), regulator_sentence(results), budget_sentence(results)}) {
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   }
   return sentences;

@@ -22,9 +22,9 @@ struct ReproductionPage {
     std::size_t reading = 0;
     Ruling ruling = Ruling::not_testable;
     Page::Estimate measured;
-    std::size_t seeds = 0;  ///< the fewest of any policy that was asked; 0 if none was trained
-    std::string reason;     ///< a sentence
-    bool printed = false;   ///< it is about the paper's own numbers, not ours
+    std::size_t seeds = 0;                 ///< the fewest of any policy that was asked; 0 if none was trained
+    std::string reason;                    ///< a sentence
+    bool printed = false;                  ///< it is about the paper's own numbers, not ours
     double one_training = Page::kUnknown;  ///< how likely it is to be true of one training of each policy
   };
 

@@ -57,19 +57,21 @@ ReproductionPage small_page() {
 TEST_CASE("a claim that does not hold has the first reason that the data give") {
   using enum Ruling;
   ReproductionPage page;
-  for (const char* id : {"fine", "few", "reading", "seeds", "printed", "none"})
+  for (const char* id : {"fine", "few", "reading", "seeds", "printed", "most", "hardly", "none"})
     page.claims.push_back(claim(id, {std::string(id) == "fine" ? holds : fails, fails}));
-  page.claims[1].verdicts[0].seeds = 2;
+  page.claims[1].verdicts[0] = {0, undecided, {}, 2, ""};
   page.claims[2].verdicts[1].ruling = holds;
   page.claims[2].verdicts[0].one_training = 0.5;
-  page.claims[3].verdicts[0].one_training = 0.5;
+  page.claims[3].verdicts[0].one_training = 0.1;
   page.claims[4].verdicts[1].printed = true;
-  page.claims[5].verdicts[0].one_training = 0.02;
+  page.claims[5].verdicts[0].one_training = 0.95;
+  page.claims[5].verdicts[0].ruling = undecided;
+  page.claims[6].verdicts[0].one_training = 0.02;
 
   const std::vector<Parting> found = partings(page);
 
-  REQUIRE(found.size() == 5);
-  for (std::size_t i = 0; i < 5; ++i) {
+  REQUIRE(found.size() == 7);
+  for (std::size_t i = 0; i < found.size(); ++i) {
     REQUIRE(found[i].claims.size() == 1);
     CHECK(found[i].claims[0] == &page.claims[i + 1]);
   }

@@ -101,7 +101,7 @@ std::string steps_text(std::int64_t steps) {
   return cat(steps, rest, " steps");
 }
 
-/// "sac: 5 seeds of 200 000 steps; ppo, rarl, rap: 10 seeds of 1 000 000 steps", of what was trained.
+/// "sac: 5 seeds of 200 000 steps; ppo, rarl, rap: 10 seeds of 1 000 000 steps", of what the study trains.
 std::string trained_text(const Study& study) {
   constexpr std::size_t kMostNames = 8;
   std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // by seeds and steps

@@ -78,7 +78,7 @@ TEST_CASE("findings count verdicts and say what the numbers say") {
   CHECK(says(sentences, "Of 3 claims 1 holds, 1 fails, 1 is undecided and 0 cannot be tested"));
   CHECK(says(sentences, "1 claim holds under one reading of the paper and fails under another: C6."));
   CHECK(says(sentences, "3 of 3 claims would hang on the draw"));
-  CHECK(says(sentences, "those that fail would have come out true in 25 % of draws."));
+  CHECK(says(sentences, "the 1 of them that fail would have come out true in 25 % of draws."));
   CHECK(says(sentences, "(15 cells of policy, waveform, site and level)"));  // five policies, three sites, one level
   CHECK(says(sentences, "still averages 0.50; over the whole horizon it is 0.12"));
   CHECK(says(sentences, "up to 25 % of the control steps (action white at 10 N)"));

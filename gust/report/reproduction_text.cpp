@@ -43,14 +43,17 @@ std::string other_verdicts(const ReproductionPage& page, const ReproductionPage:
 }
 
 std::string claims_table(const ReproductionPage& page, const ReproductionPage::Figure& figure) {
-  std::string text = "| claim | verdict | measured | true of one training each | another verdict under |\n| --- | --- | --- | --- | --- |\n";
+  std::string text =
+      "| claim | verdict | measured | true of one training each | another verdict under |\n| --- | --- | --- | --- | "
+      "--- |\n";
   for (const auto& claim : page.claims) {
     if (std::ranges::find(figure.claims, claim.id) == figure.claims.end()) continue;
     const auto& verdict = claim.verdicts.front();
     const std::string reading = verdict.reading == 0 ? "" : cat(" (", page.readings[verdict.reading].name, ")");
     text += cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", ruling_text(verdict.ruling),
                 reading, " | ", std::isfinite(verdict.measured.value) ? number(verdict.measured) : cell(verdict.reason),
-                " | ", std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ", cell(other_verdicts(page, claim)), " |\n");
+                " | ", std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ",
+                cell(other_verdicts(page, claim)), " |\n");
   }
   return text + "\n";
 }
@@ -91,10 +94,11 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
           "`; nothing here was typed by hand. Verdicts are at 95 % over training seeds: a claim "
           "holds if it is true throughout the interval, fails if nowhere, else it is undecided, as it is from fewer "
           "than ",
-          kSeedsForVerdict, " seeds. ", kMeasuredMeaning, "\n\n");
+          kSeedsForVerdict, " seeds. Seeds whose training diverged are left out, and named at the end. ",
+          kMeasuredMeaning, "\n\n");
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
   const std::vector<Parting> parting = partings(page);
-  if (!parting.empty()) text += "\n## What does not reproduce, and the most likely reason\n\n";
+  if (!parting.empty()) text += "\n## What does not reproduce, by the first reason that the data give\n\n";
   for (const auto& [why, claims] : parting) {
     std::vector<std::string> ids;
     for (const auto* claim : claims) ids.push_back(claim->id);

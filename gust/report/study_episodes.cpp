@@ -93,8 +93,8 @@ bool fits(const Trace& trace, const PlantSpec& spec, const Evaluation& evaluatio
     return matrix.rows() == rows && matrix.lanes() == lanes;
   };
   const EpisodeIndex& index = trace.index;
-  return index.cell < evaluation.cells.size() && index.start < evaluation.starts.size() && index.episode >= 0 &&
-         index.episode < evaluation.episodes && trace.failed_at >= -1 &&
+  return steps > 0 && index.cell < evaluation.cells.size() && index.start < evaluation.starts.size() &&
+         index.episode >= 0 && index.episode < evaluation.episodes && trace.failed_at >= -1 &&
          trace.failed_at <= static_cast<std::int64_t>(steps) && is(trace.state, spec.state.size(), steps + 1) &&
          is(trace.observation, spec.observations(), steps + 1) && is(trace.commanded, spec.action.size(), steps) &&
          is(trace.applied, spec.action.size(), steps) && is(trace.force, spec.force.size(), steps) &&
@@ -146,13 +146,14 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
 std::vector<Page::Episode> kept_episodes(const Study& study, const std::vector<KeptTraces>& kept,
                                          const std::vector<std::size_t>& sweep_at) {
   std::vector<Page::Episode> episodes;
-  const auto broken = [] { return Error("a kept episode is none of this study's; run it again in another folder"); };
   for (const auto& [policy, member, sweep, traces] : kept) {
-    if (member >= study.policies[policy].count()) throw broken();
+    const std::string& name = study.policies[policy].name;
+    const Error broken(cat("a kept episode of '", name, "' is none of this study's; run it again in another folder"));
+    if (member >= study.policies[policy].count()) throw broken;
     const Trial trial{.policy = policy, .member = member, .sweep = sweep};
     const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
     for (const Trace& trace : traces) {
-      if (!fits(trace, study.setup.plant->spec(), task->evaluation)) throw broken();
+      if (!fits(trace, study.setup.plant->spec(), task->evaluation)) throw broken;
       Page::Episode episode = page_episode(study, trial, trace, *task);
       if (sweep != Trial::kNominal) {
         episode.sweep = sweep_at[sweep];

@@ -288,16 +288,21 @@ class PageWriter {
     return own_steps;
   }
 
-  /// The mean over seeds with its bootstrap interval, where all seeds were evaluated after the same steps.
+  /// The mean over seeds with its bootstrap interval, where all seeds were evaluated after the same steps. One that
+  /// ended early, because it diverged, is no part of it.
   void add_mean(Page::Learning& learning) {
+    std::vector<const Page::Learning::Run*> whole;
     for (const Page::Learning::Run& run : learning.runs) {
-      if (run.steps != learning.runs.front().steps) return;
+      if (!whole.empty() && run.steps.size() < whole.front()->steps.size()) continue;
+      if (!whole.empty() && run.steps.size() > whole.front()->steps.size()) whole.clear();
+      if (!whole.empty() && run.steps != whole.front()->steps) return;
+      whole.push_back(&run);
     }
     Bootstrap bootstrap(Rng(static_cast<std::uint64_t>(study_.seed)).split("learning"), 2'000);
-    learning.steps = learning.runs.front().steps;
+    learning.steps = whole.front()->steps;
     for (std::size_t i = 0; i < learning.steps.size(); ++i) {
-      Matrix<double> scores(learning.runs.size(), 1);
-      for (std::size_t r = 0; r < learning.runs.size(); ++r) scores.at(r, 0) = learning.runs[r].score[i];
+      Matrix<double> scores(whole.size(), 1);
+      for (std::size_t r = 0; r < whole.size(); ++r) scores.at(r, 0) = whole[r]->score[i];
       const Interval mean = interval(std::as_const(scores).view(), Statistic::mean, bootstrap);
       learning.mean.value.push_back(mean.estimate);
       learning.mean.low.push_back(mean.low);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
@@ -41,7 +42,7 @@ std::string_view meaning(Ruling ruling) {
   throw Bug("a ruling outside its enumeration");
 }
 
-/// The verdict of the main reading.
+/// The verdict of the reading that decides.
 Ruling main_ruling(const ReproductionPage::Claim& claim) {
   return claim.verdicts.empty() ? Ruling::not_testable : claim.verdicts.front().ruling;
 }
@@ -184,8 +185,8 @@ std::string folded(const ReproductionPage& page, const ReproductionPage::Claim& 
   std::string stamps;
   for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
     const ReproductionPage::Verdict& verdict = claim.verdicts[i];
-    stamps += stamp(verdict.ruling,
-                    cat(escaped(page.readings[verdict.reading].name), ": ", ruling_name(verdict.ruling)));
+    stamps +=
+        stamp(verdict.ruling, cat(escaped(page.readings[verdict.reading].name), ": ", ruling_name(verdict.ruling)));
   }
   const bool asked = !claim.formula.empty();
   std::string summary = asked ? "Formula" : "";
@@ -212,24 +213,28 @@ bool hangs_on_reading(const ReproductionPage::Claim& claim) {
   return ruled(claim, Ruling::holds, false) && ruled(claim, Ruling::fails, false);
 }
 
+bool hangs_on_draw(double one_training) { return one_training >= 0.1 && one_training <= 0.9; }
+
 std::vector<Parting> partings(const ReproductionPage& page) {
   using Claim = ReproductionPage::Claim;
-  const std::pair<const char*, bool (*)(const Claim&)> reasons[] = {
+  const auto share = [](const Claim& claim) { return claim.verdicts.front().one_training; };
+  const std::pair<const char*, std::function<bool(const Claim&)>> reasons[] = {
       {"Too few seeds to decide.",
        [](const Claim& claim) {
          const std::size_t seeds = claim.verdicts.front().seeds;
          return seeds > 0 && seeds < kSeedsForVerdict;
        }},
-      {"It is the reading: under another one than the main one it holds.",
+      {"It is the reading: under another one than the one that decides it holds.",
        [](const Claim& claim) { return ruled(claim, Ruling::holds, false); }},
       {"It is the seeds: of one training of each policy it would be true in 10 to 90 % of draws.",
-       [](const Claim& claim) {
-         const double share = claim.verdicts.front().one_training;
-         return share >= 0.1 && share <= 0.9;
-       }},
+       [&](const Claim& claim) { return hangs_on_draw(share(claim)); }},
       {"The paper's own printed numbers do not show it either.",
        [](const Claim& claim) { return ruled(claim, Ruling::fails, true); }},
-      {"None that these data know: hardly a training shows it, under no reading.", [](const Claim&) { return true; }},
+      {"Most single trainings show it, but their mean leaves it open.",
+       [&](const Claim& claim) { return share(claim) > 0.9; }},
+      {"Hardly a single training shows it, and under no reading does it hold.",
+       [&](const Claim& claim) { return share(claim) < 0.1; }},
+      {"None that these data know.", [](const Claim&) { return true; }},
   };
   std::vector<Parting> found;
   for (const auto& [why, applies] : reasons) found.push_back({why, {}});
@@ -252,7 +257,8 @@ std::string partings_html(const ReproductionPage& page) {
                  join(links, ", "), "</dd></div>\n");
   }
   if (items.empty()) return "";
-  return cat("<h3>What does not reproduce, and the most likely reason</h3>\n<dl class=\"facts\">\n", items, "</dl>\n");
+  return cat("<h3>What does not reproduce, by the first reason that the data give</h3>\n<dl class=\"facts\">\n", items,
+             "</dl>\n");
 }
 
 std::string verdict_picture(const ReproductionPage& page) {

@@ -9,16 +9,18 @@ namespace gust {
 /// What the number beside a verdict is.
 inline constexpr std::string_view kMeasuredMeaning =
     "The number beside a verdict is what the claim compares with a constant; of one that compares two things, their "
-    "difference; of one with several parts, by how much the weakest part is true, in its own unit, below 0 if it is "
-    "not.";
+    "difference; of one with several parts, by how much the whole is true, in the unit of the part that decides, below "
+    "0 if it is not.";
 
 /// Pieces of a reproduction's page as HTML. A verdict has a colour and a mark, so that it can be read without colour.
 
 /// The shapes of the marks; a page needs them once.
 std::string mark_shapes();
 
-/// Claims that do not hold, by what most likely parts the paper's result from ours: the first of these reasons that the
-/// data give. Every such claim is in one of them.
+/// Whether the claim would come out either way if every policy had been trained once: true in 10 to 90 % of draws.
+bool hangs_on_draw(double one_training);
+
+/// Claims that do not hold, by the first of these reasons that the data give for it. Every such claim has one.
 struct Parting {
   std::string why;  ///< a sentence
   std::vector<const ReproductionPage::Claim*> claims;

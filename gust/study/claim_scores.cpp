@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "gust/core/text.h"
 #include "gust/eval/aggregate.h"
@@ -64,6 +65,28 @@ std::string seeds_key(const Study& study, const StudyPolicy& policy) {
   return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()));
 }
 
+/// Of a policy's trials those of some members, in their order.
+void keep_in_order(const std::vector<std::size_t>& members, const Plan& plan, std::vector<std::size_t>& trials) {
+  std::vector<std::size_t> kept;
+  for (const std::size_t member : members) {
+    const auto at =
+        std::ranges::find_if(trials, [&](std::size_t trial) { return plan.trials[trial].member == member; });
+    if (at != trials.end()) kept.push_back(*at);
+  }
+  trials = std::move(kept);
+}
+
+/// The seeds of a policy whose trainings did not end without one.
+std::set<std::int64_t> seeds_left(const ClaimSource& source, const StudyPolicy& policy) {
+  std::set<std::int64_t> seeds(policy.seeds.begin(), policy.seeds.end());
+  if (source.store == nullptr) return seeds;
+  for (const Trial& trial : source.plan->trials) {
+    if (trial.kind != Trial::Kind::kTrain || &source.study->policies[trial.policy] != &policy) continue;
+    if (training_failure(*source.plan, trial, *source.store)) seeds.erase(policy.seeds[trial.member]);
+  }
+  return seeds;
+}
+
 void check_count(std::string_view function, const std::vector<FormulaValue>& arguments, std::size_t most) {
   if (arguments.empty() || arguments.size() > most)
     throw Error(cat("'", function, "' takes 1 to ", most, " arguments, got ", arguments.size()));
@@ -71,7 +94,7 @@ void check_count(std::string_view function, const std::vector<FormulaValue>& arg
 
 }  // namespace
 
-/// Of one unit there is no resample that would say anything: its are not numbers.
+/// A single unit has no resamples that would say anything: they are not numbers.
 template <class Statistic>
 Sampled ClaimScores::sampled(const Study& study, std::size_t policy, std::span<const double> units,
                              Statistic statistic) const {
@@ -80,9 +103,10 @@ Sampled ClaimScores::sampled(const Study& study, std::size_t policy, std::span<c
   if (units.size() < 2) return result;
   const std::string key = seeds_key(study, study.policies[policy]);
   const Rng rng = rng_.split("claims").split(key);
-  if (view_.one_seed && study.policies[policy].kind == StudyPolicy::Kind::kTrain) {
+  if (view_.one_training && study.policies[policy].kind == StudyPolicy::Kind::kTrain) {
+    const Rng draws = rng.split("one");
     for (std::size_t k = 0; k < kResamples; ++k)
-      result.values[1 + k] = statistic(units.subspan(rng.split("one").below(units.size(), k), 1));
+      result.values[1 + k] = statistic(units.subspan(draws.below(units.size(), k), 1));
     return result;
   }
   const std::size_t strata[] = {units.size()};
@@ -147,16 +171,27 @@ const Sweep& ClaimScores::sweep_of(const FormulaValue& name) const {
 
 const std::vector<std::size_t>& ClaimScores::members(const Place& place) const {
   const auto [known, is_new] = members_.try_emplace(cat(place.source - sources_.data(), "/", place.policy));
-  std::vector<std::size_t>& members = known->second;
+  if (is_new) known->second = find_members(place);
+  if (known->second.empty())
+    throw NotTestable(
+        cat("no training of '", place.source->study->policies[place.policy].name, "' ended with a policy"));
+  return known->second;
+}
+
+std::vector<std::size_t> ClaimScores::find_members(const Place& place) const {
   const StudyPolicy& policy = place.source->study->policies[place.policy];
-  for (std::size_t member = 0; is_new && member < policy.count(); ++member) members.push_back(member);
-  if (is_new && place.source->store != nullptr) {
-    for (const Trial& trial : place.source->plan->trials) {
-      if (trial.kind != Trial::Kind::kTrain || trial.policy != place.policy) continue;
-      if (training_failure(*place.source->plan, trial, *place.source->store)) std::erase(members, trial.member);
+  std::vector<std::size_t> members;
+  for (std::size_t member = 0; member < policy.count(); ++member) members.push_back(member);
+  if (policy.kind != StudyPolicy::Kind::kTrain) return members;
+  const std::string key = seeds_key(*place.source->study, policy);
+  for (const ClaimSource& source : sources_) {
+    for (const StudyPolicy& other : source.study->policies) {
+      if (other.kind != StudyPolicy::Kind::kTrain || seeds_key(*source.study, other) != key) continue;
+      const std::set<std::int64_t> left = seeds_left(source, other);
+      std::erase_if(members, [&](std::size_t member) { return !left.contains(policy.seeds[member]); });
     }
   }
-  if (members.empty()) throw NotTestable(cat("no training of '", policy.name, "' ended with a policy"));
+  std::ranges::sort(members, {}, [&](std::size_t member) { return policy.seeds[member]; });
   return members;
 }
 
@@ -213,8 +248,8 @@ FormulaValue ClaimScores::curve(std::string_view function, const Arguments& argu
     for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].*column);
     const CurvePoint& point = seeds.front()[i];
     list.axis.push_back(static_cast<double>(function == "own_curve" ? point.protagonist_steps : point.steps));
-    list.items.push_back({sampled(*place.source->study, place.policy, units,
-                                  function == "curve_spread" ? sample_deviation : mean)});
+    list.items.push_back(
+        {sampled(*place.source->study, place.policy, units, function == "curve_spread" ? sample_deviation : mean)});
   }
   return {std::move(list)};
 }
@@ -238,12 +273,9 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   }
   std::vector<std::string> missing;
   std::vector<Sampled> cells;
-  const std::vector<std::size_t>& measured = members(place);
   for (TrialGroup group : trial_groups(*place.source->plan)) {
     if (group.policy != place.policy || group.sweep != place.sweep) continue;
-    std::erase_if(group.trials, [&](std::size_t trial) {
-      return !std::ranges::binary_search(measured, place.source->plan->trials[trial].member);
-    });
+    keep_in_order(members(place), *place.source->plan, group.trials);
     MemberRows rows(*place.source->plan, group, *place.source->store, missing);
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
     const bool repeats = episodes_repeat(study, place.sweep, start);
@@ -263,9 +295,14 @@ std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) con
     curves.push_back({{.steps = 0, .anr_h = 1}, {.steps = 1, .anr_h = 1, .protagonist_steps = 1}});
     return curves;
   }
-  for (const Trial& trial : place.source->plan->trials) {
-    if (trial.kind != Trial::Kind::kTrain || trial.policy != place.policy) continue;
-    if (!std::ranges::binary_search(members(place), trial.member)) continue;
+  const Plan& plan = *place.source->plan;
+  std::vector<std::size_t> trials;
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    if (plan.trials[i].kind == Trial::Kind::kTrain && plan.trials[i].policy == place.policy) trials.push_back(i);
+  }
+  keep_in_order(members(place), plan, trials);
+  for (const std::size_t index : trials) {
+    const Trial& trial = plan.trials[index];
     const std::optional<StoredTrial> stored = place.source->store->load(kind_name(trial.kind), trial.id);
     if (!stored) throw NotTestable(cat("not measured: ", trial.what));
     curves.push_back(read_curve(stored->read(kCurveFile), trial.id));

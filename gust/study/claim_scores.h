@@ -18,9 +18,9 @@ struct ClaimSource {
 
 /// How claims look at scores.
 struct ClaimView {
-  std::string metric;  ///< what score() means
-  std::string start;   ///< of the evaluations
-  bool one_seed = false;  ///< resamples draw one seed of each trained policy, as if it had been trained once
+  std::string metric;         ///< what score() means
+  std::string start;          ///< of the evaluations
+  bool one_training = false;  ///< resamples draw one seed of each trained policy, as if it had been trained once
 };
 
 /// The functions of claims that speak of studies. A policy and a sweep are looked up in the first study that has both.
@@ -37,7 +37,7 @@ struct ClaimView {
 /// Every number is the mean over training seeds (over episodes for a policy that is one alone), and its resamples draw
 /// whole seeds: the same ones for all that is asked of a policy, so that what its scores share cancels, and for
 /// policies of the same trainings (other steps or risk levels). Others are drawn independently of each other. A seed
-/// whose training ended without a policy is left out, and not counted.
+/// whose training ended without a policy is left out, and not counted; so it is in all policies of the same trainings.
 class ClaimScores final : public FormulaData {
  public:
   ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng);
@@ -66,8 +66,9 @@ class ClaimScores final : public FormulaData {
   std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;
   /// The learning curves of a policy's seeds, all as long as the shortest.
   std::vector<std::vector<CurvePoint>> curves(const Place& place) const;
-  /// The seeds of a policy that have one.
+  /// The members of a policy that count, in the order of their seeds.
   const std::vector<std::size_t>& members(const Place& place) const;
+  std::vector<std::size_t> find_members(const Place& place) const;
   void count_seeds(const Place& place) const;
   /// The statistic of the units of a policy, and of its resamples.
   template <class Statistic>

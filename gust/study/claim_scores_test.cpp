@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "gust/eval/aggregate.h"
@@ -121,24 +122,41 @@ TEST_CASE("what is missing in the store makes a claim not testable") {
   CHECK(summary.claims[0].verdict.reason.find("not measured: ") == 0);
 }
 
+/// Puts a training into the store that ended without a policy.
+void store_failure(const Store& store, const Trial& training) {
+  TrialWriter writer = store.begin(kind_name(training.kind), training.id);
+  writer.write(kCurveFile, curve_text({{0, 1, 0, 30, 0.5, 0.125, 0.75}}));
+  writer.write(kFailureFile, "a loss is not finite");
+  writer.commit(training.canonical);
+}
+
+std::string trained(const std::string& name, const std::string& seeds, const std::string& options) {
+  return "[[policy]]\nname = \"" + name + "\"\nkind = \"train\"\nseeds = " + seeds +
+         "\nagent = { kind = \"ppo\", hidden = 8, " + options + " }\n";
+}
+
 TEST_CASE("a seed whose training failed is left out of scores, curves and levels, and is not counted") {
   const ScratchFolder folder("gust-claims-failed");
   std::string text = changed(kClaim, formula("score('p') > -1"));
   text.replace(text.find("levels = [0, 5, 30]"), 19, "levels = \"auto\"");
-  text.insert(text.find("[[policy]]"),
-              "[[policy]]\nname = \"p\"\nkind = \"train\"\nseeds = [1, 2, 3]\n"
-              "agent = { kind = \"ppo\", steps = 1_200, hidden = 8 }\n");
+  text.insert(text.find("[[policy]]"), trained("p", "[1, 2, 3]", "steps = 1_200") +
+                                           trained("longer", "[3, 2, 1]", "steps = 1_600") +
+                                           trained("other", "[1, 2]", "steps = 1_200, discount = 0.9") +
+                                           trained("broken", "[1]", "steps = 1_200, discount = 0.8"));
   Study study = small_study({}, text);
   const Store store(folder.path / "store", Store::Access::write);
-  const Trial diverged = expand(study, {}).trials[1];
-  TrialWriter writer = store.begin(kind_name(diverged.kind), diverged.id);
-  writer.write(kCurveFile, curve_text({{0, 1, 0, 30, 0.5, 0.125, 0.75}}));
-  writer.write(kFailureFile, "a loss is not finite");
-  writer.commit(diverged.canonical);
+  const Plan plan = expand(study, {});
+  store_failure(store, plan.trials[1]);  // of 'p', seed 2
+  store_failure(store, plan.trials[8]);  // of 'broken'
 
   const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
 
   CHECK(outcome.plan.complete);
+  CHECK(outcome.outcomes[1].state == Outcome::State::failed);
+  const auto skipped = std::ranges::find(outcome.outcomes, Outcome::State::skipped, &Outcome::state);
+  REQUIRE(skipped != outcome.outcomes.end());
+  CHECK(skipped->reason == "its training failed: a loss is not finite");
+
   const ClaimScores scores({{&study, &outcome.plan, &store}}, {"anr_h", "random"}, Rng(1));
   const auto ask = [&](const char* formula) { return Formula(formula, {"test"}).evaluate(study.names, scores); };
   const Summary summary = summarise(study, outcome.plan, store, 1);
@@ -146,20 +164,23 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
   CHECK(ask("score('p')").as_number("a test").estimate() ==
         doctest::Approx(summary.undisturbed(0, random)).epsilon(1e-12));
   CHECK(scores.fewest_seeds() == 2);
+  CHECK(ask("score('longer')").as_number("a test").estimate() != summary.undisturbed(1, random));  // without seed 2
+  CHECK(scores.fewest_seeds() == 2);
   CHECK(ask("score('p', 'push')").as_list("a test").axis.size() == 11);
+  CHECK(ask("curve('p')").as_list("a test").axis.size() > 1);  // not cut to the failed one's
+  CHECK(scores.fewest_seeds() == 2);
+  CHECK_THROWS_WITH_AS(ask("score('broken')"), "no training of 'broken' ended with a policy", NotTestable);
 
-  ClaimView view{"anr_h", "random", true};
-  const ClaimScores ones({{&study, &outcome.plan, &store}}, view, Rng(1));
-  const auto drawn = [&](const char* formula) {
+  const ClaimScores ones({{&study, &outcome.plan, &store}}, {"anr_h", "random", true}, Rng(1));
+  const auto draws = [&](const char* formula) {
     const FormulaValue value = Formula(formula, {"test"}).evaluate(study.names, ones);
     return std::set<double>(value.as_number("a test").values.begin() + 1, value.as_number("a test").values.end());
   };
-  CHECK(drawn("score('p')").size() == 2);  // one training or the other
-  CHECK(drawn("score('p') + anr('p')").size() == 2);  // the same one wherever it is asked for
-  CHECK(drawn("score('lqr')").size() > 2);  // what has no seeds has episodes
-
-  CHECK(ask("curve('p')").as_list("a test").axis.size() > 1);  // not cut to the failed one's
-  CHECK(scores.fewest_seeds() == 2);
+  CHECK(draws("score('p')").size() == 2);                    // one training or the other
+  CHECK(draws("score('p') + anr('p')").size() == 2);         // the same one wherever it is asked for
+  CHECK(draws("score('p') - score('longer')").size() == 2);  // nor otherwise where the other goes on from it
+  CHECK(draws("score('p') - score('other')").size() == 4);   // others are drawn by themselves
+  CHECK(draws("score('lqr')").size() > 2);                   // what has no seeds has episodes
 }
 
 TEST_CASE("what is wrong with a formula is said when the study is read") {

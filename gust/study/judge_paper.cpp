@@ -84,6 +84,8 @@ class Judge {
       result.verdict = {Ruling::not_testable, claim.missing};
       return result;
     }
+    const auto other = reading.asks.find(claim.id);
+    const Formula& formula = other == reading.asks.end() ? *claim.formula : other->second;
     ClaimView view = view_of(claim, reading);
     const ClaimScores scores(sources(claim, question.reading), view, Rng(1).split("paper"));
     Finding finding;
@@ -91,13 +93,13 @@ class Judge {
       const PrintedScores printed(paper_, paper_.figure(claim.figure)->table, scores.functions());
       const RenamedScores renamed(scores, reading.instead);
       const FormulaData& data = reading.printed ? static_cast<const FormulaData&>(printed) : renamed;
-      finding = judge(*claim.formula, paper_.names, data);
-      if (!reading.printed) result.seeds = scores.fewest_seeds().value_or(0);
-      const bool asks_intervals = claim.formula->text().find("alike(") != std::string::npos;  // one training has none
-      if (result.seeds > 1 && !asks_intervals) {
-        view.one_seed = true;
+      finding = judge(formula, paper_.names, data);
+      if (!reading.printed && finding.verdict.ruling != Ruling::not_testable)
+        result.seeds = scores.fewest_seeds().value_or(0);
+      if (result.seeds >= kSeedsForVerdict && !formula.calls("alike")) {
+        view.one_training = true;
         const ClaimScores ones(sources(claim, question.reading), view, Rng(1).split("paper"));
-        result.one_training = judge(*claim.formula, paper_.names, RenamedScores(ones, reading.instead)).share;
+        result.one_training = judge(formula, paper_.names, RenamedScores(ones, reading.instead)).share;
       }
     } catch (const Error& error) {  // these data cannot answer; those with shapes only must
       if (store_ == nullptr) throw;

@@ -62,7 +62,8 @@ PaperProfile parse_profile(const Table& table) {
 }
 
 PaperReading parse_reading(const Table& table) {
-  std::vector<std::string> known = {"name", "says", "settings", "figures", "instead", "start", "claims", "printed"};
+  std::vector<std::string> known = {"name", "says",  "settings", "figures", "instead",
+                                    "asks", "start", "claims",   "printed"};
   const std::vector<std::string> figures = texts_of(table, "figures");
   known.insert(known.end(), figures.begin(), figures.end());
   check_keys(table, known, "a reading");
@@ -79,6 +80,12 @@ PaperReading parse_reading(const Table& table) {
   reading.printed = flag_of(table, "printed");
   if (const Value* instead = table.find("instead")) {
     for (const auto& [from, to] : instead->as_table("instead").items) reading.instead[from] = to.as_text(from);
+  }
+  if (const Value* asks = table.find("asks")) {
+    for (const auto& [claim, formula] : asks->as_table("asks").items) {
+      reading.asks.emplace(claim, Formula(formula.as_text(claim), formula.place));
+      reading.claims.push_back(claim);
+    }
   }
   return reading;
 }

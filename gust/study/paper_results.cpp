@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 1;
+constexpr int kSchema = 2;
 constexpr const char* kDescription = "reproduction.json";
 constexpr const char* kClaims = "claims.csv";
 
@@ -36,13 +36,14 @@ std::string number_text(double value) { return std::isnan(value) ? std::string()
 
 std::string claims_csv(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
-  std::string text = csv_line({"id", "reading", "verdict", "estimate", "low", "high", "seeds", "one_training", "reason"});
+  std::string text =
+      csv_line({"id", "reading", "verdict", "estimate", "low", "high", "seeds", "one_training", "reason"});
   for (const PaperVerdict& verdict : results.verdicts) {
     const Interval& measured = verdict.measured;
-    text +=
-        csv_line({paper.claims[verdict.claim].id, paper.readings[verdict.reading].name,
-                  std::string(ruling_name(verdict.verdict.ruling)), number_text(measured.estimate),
-                  number_text(measured.low), number_text(measured.high), cat(verdict.seeds), number_text(verdict.one_training), verdict.verdict.reason});
+    text += csv_line({paper.claims[verdict.claim].id, paper.readings[verdict.reading].name,
+                      std::string(ruling_name(verdict.verdict.ruling)), number_text(measured.estimate),
+                      number_text(measured.low), number_text(measured.high), cat(verdict.seeds),
+                      number_text(verdict.one_training), verdict.verdict.reason});
   }
   return text;
 }
@@ -93,12 +94,14 @@ PaperResults read_description(const fs::path& file) {
   const std::string bytes = read_file(file);
   try {
     const Json json = Json::parse(bytes);
-    if (json.at("schema") != kSchema) throw Error(cat(file.string(), ": was written by another version of gust"));
+    if (json.at("schema") != kSchema)
+      throw Error(cat(file.string(), ": was written by another version of gust; choose another folder"));
+    if (!json.at("missing").is_number_unsigned()) throw Error(cat(file.string(), ": 'missing' is no count"));
     ReproductionChoice choice{json.at("profile"), json.at("only"), {}};
     if (!json.at("seeds").is_null()) choice.seeds = json.at("seeds").get<std::int64_t>();
     PaperResults results{open_reproduction(paper_at(json.at("paper").get<std::string>()), choice), {}, {}, {}, {}};
     results.failures = json.at("failures");
-    results.missing = json.at("missing");
+    results.missing = json.at("missing").get<std::uint64_t>();
     for (const Json& entry : json.at("provenance")) results.provenance.emplace_back(entry.at(0), entry.at(1));
     return results;
   } catch (const Json::exception& error) {
@@ -139,11 +142,12 @@ std::string PaperResults::label() const {
   std::vector<std::string> parts;
   if (profile.steps < 1.0) parts.push_back(fmt::format("{:.3g} % of the training steps", 100 * profile.steps));
   if (seeds) parts.push_back(cat(*seeds, *seeds == 1 ? " seed" : " seeds", " of each training"));
-  if (missing > 0) parts.push_back(cat(missing, missing == 1 ? " trial is" : " trials are", " still to be run"));
+  if (missing > 0)
+    parts.push_back(cat(missing, missing == 1 ? " known trial is" : " known trials are", " still to be run"));
   if (parts.empty()) return "";
   const bool decides = !seeds || *seeds >= static_cast<std::int64_t>(kSeedsForVerdict);
   return cat(profile.steps < 1.0 ? "A miniature: " : "Not the full run: ", join(parts, ", "), ".",
-             decides ? "" : " It shows that everything runs, and decides nothing.");
+             decides || missing > 0 ? "" : " It shows that everything runs, and decides nothing.");
 }
 
 const Summary* PaperResults::summary(std::size_t reading, std::string_view study) const {

@@ -4,6 +4,8 @@
 
 namespace gust {
 
+inline constexpr std::int64_t kMostSeeds = 10'000;  ///< of a training
+
 // The parts of parse_study, one file each.
 
 /// Replaces one value of a parsed text: "path.to.key=value". A list of tables is entered by the name or id of a table.

@@ -7,8 +7,6 @@ namespace {
 
 using Kind = StudyPolicy::Kind;
 
-constexpr std::int64_t kMostSeeds = 10'000;
-
 Kind kind_from(const Table& table) {
   const std::string& name = required_text(table, "kind", "a policy");
   const std::vector<std::string> names = {"lqr", "pd", "zero", "onnx", "train"};

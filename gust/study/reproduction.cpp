@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "gust/core/text.h"
+#include "gust/study/parse.h"
 
 namespace gust {
 namespace {
-
-constexpr std::int64_t kMostSeeds = 10'000;  // as in a study
 
 std::vector<StudyPolicy::File> no_files(const std::string&, const Place&) { return {}; }
 

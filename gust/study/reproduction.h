@@ -34,6 +34,9 @@ struct Reproduction {
 /// Throws Error where the profile or a study is not known, or a study cannot be read.
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice);
 
+/// A verdict needs this many seeds; from fewer a claim is undecided.
+inline constexpr std::size_t kSeedsForVerdict = 5;
+
 /// What became of a claim under a reading.
 struct PaperVerdict {
   std::size_t claim = 0;
@@ -41,13 +44,10 @@ struct PaperVerdict {
   Interval measured;
   Verdict verdict;
   std::size_t seeds = 0;  ///< the fewest of any trained policy that was asked; 0 if none was
-  /// How likely it is to be true of one training of each policy, drawn from the seeds. Not a number where there are no
-  /// seeds, or the claim speaks of intervals.
+  /// How likely it is to be true of one training of each policy, drawn from the seeds. Not a number where there are
+  /// fewer than kSeedsForVerdict, or one training says nothing of the claim: of intervals, or how seeds differ.
   double one_training = std::numeric_limits<double>::quiet_NaN();
 };
-
-/// A verdict needs this many seeds; from fewer a claim is undecided.
-inline constexpr std::size_t kSeedsForVerdict = 5;
 
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose
 /// studies are not to be run are left out. `plans` are those of the studies. Equal data give equal bits for any number

@@ -4,8 +4,6 @@
 
 #include <set>
 
-#include <set>
-
 using namespace gust;
 
 TEST_CASE("a miniature trains a share of what a reading says") {

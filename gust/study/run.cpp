@@ -51,7 +51,7 @@ class MissingJobs {
  private:
   void add(const Study& study, const Plan& plan, const PlannedTrial& at, const Store& store) {
     const Trial& trial = plan.trials[at.trial];
-    if (store.load(kind_name(trial.kind), trial.id)) return;
+    if (store.load(kind_name(trial.kind), trial.id) || training_failure(plan, trial, store)) return;
     Job job{trial.what, trial.seconds, {}, {}};
     for (const std::size_t input : trial.inputs) {
       if (job_of_[at.plan][input] != Trial::kNominal) job.needs.push_back(job_of_[at.plan][input]);
@@ -85,9 +85,12 @@ class MissingJobs {
 void judge_stored(const Plan& plan, const Store& store, RunOutcome& outcome) {
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
     const Trial& trial = plan.trials[i];
-    if (trial.kind != Trial::Kind::kTrain || outcome.outcomes[i].state != Outcome::State::done) continue;
+    if (outcome.outcomes[i].state != Outcome::State::done) continue;
     const std::optional<std::string> failure = training_failure(plan, trial, store);
-    if (failure) outcome.outcomes[i] = {Outcome::State::failed, *failure};
+    if (!failure) continue;
+    const bool itself = trial.kind == Trial::Kind::kTrain;
+    outcome.outcomes[i] = {itself ? Outcome::State::failed : Outcome::State::skipped,
+                           itself ? *failure : cat("its training failed: ", *failure)};
   }
 }
 

@@ -178,17 +178,19 @@ def test_so_far_judges_what_is_there_and_runs_nothing(gust, tmp_path, small):
     done = gust(*so_far, cwd=tmp_path / "some")
     assert done.stderr == ""
     assert done.stdout.startswith("A miniature: 10 % of the training steps, 1 seed of each training, "
-                                  "2 trials are still to be run. ")
+                                  "2 known trials are still to be run.")
     assert len(list((tmp_path / "some/paper-quick.gust/store/train").iterdir())) == len(trained) - 1
-    assert "2 trials are still to be run" in (tmp_path / "some/paper-quick.gust/report.html").read_text()
+    assert "2 known trials are still to be run" in (tmp_path / "some/paper-quick.gust/report.html").read_text()
 
     gust(*QUICK, "--only", "table-dr", "--seeds", "1", cwd=tmp_path / "some", seconds=120)
     assert tables(tmp_path / "some/paper-quick.gust") == tables(small[0] / "paper-quick.gust")
 
 
 def test_so_far_of_nothing_tests_no_claim(gust, tmp_path):
-    done = gust(*QUICK, "--only", "white", "--only", "training-noise", "--so-far", "--json", seconds=60)
+    done = gust(*QUICK, "--only", "white", "--only", "training-noise", "--only", "step", "--so-far", "--json", seconds=60)
     answer = json.loads(done.stdout)
-    assert {claim["verdict"] for claim in answer["claims"]} == {"not testable"}
+    assert {claim["verdict"] for claim in answer["claims"] if claim["reading"] != "as printed"} == {"not testable"}
+    assert {claim["seeds"] for claim in answer["claims"]} == {0}
+    assert answer["missing"] > 100 and "known trials are still to be run" in answer["label"]
     gust("report", "paper-quick.gust")
-    assert "trials are still to be run" in (tmp_path / "paper-quick.gust/reproduce.md").read_text()
+    assert "known trials are still to be run" in (tmp_path / "paper-quick.gust/reproduce.md").read_text()

@@ -75,8 +75,7 @@ std::vector<std::string> all_complaints(const std::vector<RunOutcome>& outcomes)
 
 PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
                      std::size_t threads) {
-  PaperResults results{std::move(reproduction), {}, {}, all_complaints(outcomes), provenance(),
-                       still_to_run(outcomes)};
+  PaperResults results{std::move(reproduction), {}, {}, all_complaints(outcomes), provenance(), still_to_run(outcomes)};
   std::vector<Plan> plans;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     plans.push_back(outcomes[i].plan);
@@ -127,10 +126,9 @@ std::string verdicts_json(const PaperResults& results) {
                       {"one_training", number(verdict.one_training)},
                       {"reason", verdict.verdict.reason}});
   }
-  return Json{{"paper", paper.name},
-              {"profile", results.reproduction.profile->name},
-              {"findings", findings(results)},
-              {"claims", claims},
+  return Json{{"paper", paper.name},           {"profile", results.reproduction.profile->name},
+              {"label", results.label()},      {"missing", results.missing},
+              {"findings", findings(results)}, {"claims", claims},
               {"failures", results.failures}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
