@@ -22,6 +22,7 @@ namespace {
 using Figure = ReproductionPage::Figure;
 
 constexpr std::size_t kDataLimit = 16'000'000;  // bytes of all figures; the page must stay under 20 MB
+constexpr std::size_t kOpeningSentences = 4;    // of the findings
 
 void check_claims(const ReproductionPage& page) {
   std::set<std::string_view> ids;
@@ -163,10 +164,19 @@ std::vector<std::string> other_claims(const ReproductionPage& page) {
   return out;
 }
 
+/// The findings that are not in the opening paragraph.
+std::string further_findings(const ReproductionPage& page) {
+  if (page.findings.size() <= kOpeningSentences) return "";
+  std::string items;
+  for (const auto& sentence : std::span(page.findings).subspan(kOpeningSentences))
+    items += cat("<li>", escaped(sentence), "</li>\n");
+  return cat("<h3>What else the data show</h3>\n<ul class=\"further\">\n", items, "</ul>\n");
+}
+
 std::vector<Section> sections(const ReproductionPage& page, const std::vector<PageData>& data) {
   std::vector<Section> out;
   out.push_back({"verdicts", "Verdicts", cat("What became of ", counted(page.claims.size(), "claim", "claims")),
-                 cat(mark_shapes(), verdict_picture(page), partings_html(page))});
+                 cat(mark_shapes(), verdict_picture(page), partings_html(page), further_findings(page))});
   if (const std::string table = reading_table(page); !table.empty())
     out.push_back({"readings", "Readings", "What hangs on a reading", table});
   for (std::size_t i = 0; i < page.figures.size(); ++i) out.push_back(figure_section(page, page.figures[i], data[i]));
@@ -188,9 +198,10 @@ std::string hero(const ReproductionPage& page) {
                                              counted(page.figures.size(), "figure and table", "figures and tables"),
                                              counted(page.readings.size(), "reading", "readings")},
                                  " · ");
+  const auto opening = std::span(page.findings).first(std::min(page.findings.size(), kOpeningSentences));
   return cat(label, "<header class=\"hero\">\n<p class=\"over\">A paper’s reproduction</p>\n<h1>", escaped(page.title),
              "</h1>\n<p class=\"source\">", escaped(page.source), "</p>\n",
-             page.findings.empty() ? "" : cat("<p class=\"question\">", escaped(join(page.findings, " ")), "</p>\n"),
+             opening.empty() ? "" : cat("<p class=\"question\">", escaped(join(opening, " ")), "</p>\n"),
              "<p class=\"facts-line\">", facts, "</p>\n</header>\n", warnings_html(page.warnings));
 }
 

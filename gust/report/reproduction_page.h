@@ -61,7 +61,7 @@ struct ReproductionPage {
   std::string title;
   std::string source;                 ///< the paper, as one cites it
   std::string label;                  ///< says at once if this is a miniature; empty for the full run
-  std::vector<std::string> findings;  ///< sentences: the opening paragraph
+  std::vector<std::string> findings;  ///< sentences: the first ones are the opening paragraph
   std::vector<std::string> warnings;  ///< what is missing or failed
   std::vector<Reading> readings;      ///< the first is the main one
   std::vector<Claim> claims;

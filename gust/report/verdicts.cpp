@@ -155,6 +155,16 @@ std::string measured_html(const ReproductionPage::Verdict& verdict) {
              interval_text(verdict.measured, scale), "</span>");
 }
 
+/// The reason without the number that stands beside it already.
+std::string reason_beyond_number(const ReproductionPage::Verdict& verdict) {
+  const std::string number =
+      interval_text(Interval{verdict.measured.value, verdict.measured.low, verdict.measured.high});
+  std::vector<std::string> parts = split_text(verdict.reason, ';');
+  for (std::string& part : parts) part.erase(0, std::min(part.find_first_not_of(' '), part.size()));
+  std::erase(parts, number);
+  return join(parts, "; ");
+}
+
 std::string seeds_text(const ReproductionPage::Verdict& verdict) {
   return verdict.seeds == 0 ? "" : counted(verdict.seeds, "seed", "seeds");
 }
@@ -169,7 +179,7 @@ std::string other_readings(const ReproductionPage& page, const ReproductionPage:
     const ReproductionPage::Verdict& verdict = claim.verdicts[i];
     rows += cat("<tr><th scope=\"row\">", escaped(page.readings[verdict.reading].name), "</th><td>",
                 pill(verdict.ruling), "</td><td>", measured_html(verdict), "</td><td>", seeds_text(verdict),
-                "</td><td class=\"reason\">", escaped(verdict.reason), "</td></tr>\n");
+                "</td><td class=\"reason\">", escaped(reason_beyond_number(verdict)), "</td></tr>\n");
   }
   if (rows.empty()) return "";
   return cat(
@@ -299,12 +309,13 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   if (!claim.place.empty()) details.push_back(escaped(claim.place));
   if (verdict.reading > 0) details.push_back(cat("under ", escaped(page.readings[verdict.reading].name)));
   if (hangs_on_reading(claim)) details.push_back("<b>hangs on the reading</b>");
+  const std::string reason = reason_beyond_number(verdict);
   std::string line;
   for (const auto& detail : details) line += cat("<span>", detail, "</span>");
   return cat("<li id=\"claim-", escaped(claim.id), "\">", pill(verdict.ruling), "<div><p><span class=\"id\">",
              escaped(claim.id), "</span> ", escaped(claim.text), "</p><p class=\"detail\">", line, "</p>",
-             verdict.reason.empty() ? "" : cat("<p class=\"reason\">", escaped(verdict.reason), "</p>"),
-             folded(page, claim), "</div></li>\n");
+             reason.empty() ? "" : cat("<p class=\"reason\">", escaped(reason), "</p>"), folded(page, claim),
+             "</div></li>\n");
 }
 
 }  // namespace gust
