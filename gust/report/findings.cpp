@@ -199,13 +199,41 @@ std::string budget_sentence(const PaperResults& results) {
   return cat("At equal numbers of steps ", join(parts, ", "), " of them; the rest trains its adversary.");
 }
 
+/// Whether it helps to train with the noise of the test: against a policy that was trained without any.
+std::string training_noise_sentence(const PaperResults& results) {
+  std::size_t asked = 0, better = 0;
+  for (const PaperFigure& figure : results.reproduction.paper->figures) {
+    const Summary* summary = results.summary(0, figure.study);
+    if (summary == nullptr) continue;
+    const Study& study = results.reproduction.studies[*results.reproduction.find(0, figure.study)].study;
+    const auto random = std::ranges::find(study.starts, true, &StartProtocol::random);
+    for (const PaperMap& map : figure.maps) {
+      const std::vector<double> values = map_values(map, study, *summary, margin_metric(study),
+                                                    static_cast<std::size_t>(random - study.starts.begin()));
+      const auto size = static_cast<std::size_t>(std::sqrt(static_cast<double>(values.size())));
+      for (std::size_t level = 1; level < size; ++level) {  // the first one is none
+        const double without = values[level], with = values[level * size + level];
+        if (std::isnan(without) || std::isnan(with)) continue;
+        ++asked;
+        better += with > without ? 1 : 0;
+      }
+    }
+  }
+  if (asked == 0) return "";
+  return cat(
+      "Where the heat maps test with noise, the policy that was trained with the same noise is better than the one "
+      "that was trained without at ",
+      better, " of ", asked, " levels.");
+}
+
 }  // namespace
 
 std::vector<std::string> findings(const PaperResults& results) {
   std::vector<std::string> sentences;
-  for (std::string sentence : {counts_sentence(results), hardness_sentence(results), reading_sentence(results),
-                               one_training_sentence(results), early_failure_sentence(results),
-                               saturation_sentence(results), regulator_sentence(results), budget_sentence(results)}) {
+  for (std::string sentence :
+       {counts_sentence(results), hardness_sentence(results), reading_sentence(results), one_training_sentence(results),
+        training_noise_sentence(results), early_failure_sentence(results), saturation_sentence(results),
+        regulator_sentence(results), budget_sentence(results)}) {
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   }
   return sentences;

@@ -147,7 +147,7 @@ Section figure_section(const ReproductionPage& page, const Figure& figure, const
   const std::string says =
       figure.says.empty() ? "" : cat("<p class=\"paper-says\"><b>The paper:</b> ", escaped(figure.says), "</p>\n");
   const std::string trained =
-      figure.trained.empty() ? "" : cat("<p class=\"note\">", escaped(figure.trained), "</p>\n");
+      figure.trained.empty() ? "" : cat("<p class=\"note trained\">", escaped(figure.trained), "</p>\n");
   return {cat("figure-", escaped(figure.id)), escaped(figure.place), escaped(figure.title),
           cat(says, trained, claims_of(page, figure.claims), printed_table(figure), charts_of(figure, data)),
           cat(escaped(figure.place), page.label.empty() ? "" : " · <b class=\"partial\">not the full run</b>")};

@@ -46,24 +46,6 @@ std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const Pape
   return cells;
 }
 
-/// The scores of one map from one start: rows are the levels of the trainings, columns those of the test. Empty where
-/// the study lacks a policy.
-std::vector<double> map_values(const PaperMap& map, const Study& study, const Summary& summary, std::size_t sweep,
-                               const Page::Grid::Layer& layer) {
-  const std::vector<double>& levels = study.sweeps[sweep].axes.front().values;
-  std::vector<double> values;
-  for (const double level : levels) {
-    std::string name = map.policies;
-    name.replace(name.find(kLevel), kLevel.size(), cat(level));
-    const auto policy = std::ranges::find(study.policies, name, &StudyPolicy::name);
-    if (policy == study.policies.end()) return {};
-    const Series* series = summary.find(static_cast<std::size_t>(policy - study.policies.begin()), sweep, layer.start);
-    for (std::size_t cell = 0; cell < levels.size(); ++cell)
-      values.push_back(series ? series->at(summarised_metrics(study)[layer.metric], cell).value : Page::kUnknown);
-  }
-  return values;
-}
-
 /// A page of maps in place of the policies that they are made of.
 void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summary& summary, Page& page) {
   page.policies.clear();
@@ -85,9 +67,8 @@ void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summ
     }
     for (std::size_t start = 0; start < study.starts.size(); ++start) {
       for (std::size_t metric = 0; metric < page.metrics.size(); ++metric) {
-        Page::Grid::Layer layer{page.policies.size(), start, metric, {}};
-        layer.values = map_values(map, study, summary, static_cast<std::size_t>(sweep - study.sweeps.begin()), layer);
-        if (!layer.values.empty()) grid->layers.push_back(std::move(layer));
+        std::vector<double> values = map_values(map, study, summary, summarised_metrics(study)[metric], start);
+        if (!values.empty()) grid->layers.push_back({page.policies.size(), start, metric, std::move(values)});
       }
     }
     page.policies.push_back({map.name, map.policies, 1});
@@ -151,6 +132,25 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
 }
 
 }  // namespace
+
+std::vector<double> map_values(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
+                               std::size_t start) {
+  const auto sweep = std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
+  if (sweep == study.sweeps.end()) return {};
+  const std::vector<double>& levels = sweep->axes.front().values;
+  std::vector<double> values;
+  for (const double level : levels) {
+    std::string name = map.policies;
+    name.replace(name.find(kLevel), kLevel.size(), cat(level));
+    const auto policy = std::ranges::find(study.policies, name, &StudyPolicy::name);
+    if (policy == study.policies.end()) return {};
+    const Series* series = summary.find(static_cast<std::size_t>(policy - study.policies.begin()),
+                                        static_cast<std::size_t>(sweep - study.sweeps.begin()), start);
+    for (std::size_t cell = 0; cell < levels.size(); ++cell)
+      values.push_back(series ? series->at(metric, cell).value : Page::kUnknown);
+  }
+  return values;
+}
 
 std::vector<std::size_t> verdict_counts(const PaperResults& results) {
   std::vector<std::size_t> counts(4);

@@ -11,6 +11,11 @@ namespace gust {
 /// The page of what a reproduction found. `command` is the one that ran it.
 ReproductionPage reproduction_page(const PaperResults& results, const std::string& command);
 
+/// The scores of one map from one start: rows are the levels of the trainings, columns those of the test. Empty where
+/// the study lacks a policy or the sweep.
+std::vector<double> map_values(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
+                               std::size_t start);
+
 /// What stands at the top of page and text: how many claims hold, and what the paper could not see. Sentences, each
 /// made from the numbers.
 std::vector<std::string> findings(const PaperResults& results);

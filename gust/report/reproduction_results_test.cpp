@@ -35,9 +35,9 @@ Series invented(const Study& study, std::size_t policy, std::size_t sweep, std::
   return series;
 }
 
-/// What a run of Figure 4 might have found.
-PaperResults invented_results() {
-  PaperResults results{open_reproduction(paper_at("paper"), {.profile = "paper", .only = {"white"}, .seeds = 5}),
+/// What a run of one figure might have found, but for verdicts.
+PaperResults invented_results_of(const std::string& figure) {
+  PaperResults results{open_reproduction(paper_at("paper"), {.profile = "paper", .only = {figure}, .seeds = 5}),
                        {},
                        {},
                        {"train ppo seed 1 failed: a reason | with a bar"},
@@ -53,6 +53,12 @@ PaperResults invented_results() {
       }
     }
   }
+  return results;
+}
+
+/// What a run of Figure 4 might have found.
+PaperResults invented_results() {
+  PaperResults results = invented_results_of("white");
   const auto found = [&](std::size_t claim, std::size_t reading, Ruling ruling) {
     results.verdicts.push_back({claim, reading, {0.5, 0.25, 0.75}, {ruling, "a reason"}, 5, 0.25});
   };
@@ -84,6 +90,19 @@ TEST_CASE("findings count verdicts and say what the numbers say") {
   CHECK(says(sentences, "up to 25 % of the control steps (action white at 10 N)"));
   CHECK(says(sentences, "at least the level of the best agent in 2 of 3 sweeps"));
   CHECK_FALSE(says(sentences, "trains its adversary"));  // no learning curves here
+}
+
+TEST_CASE("the heat maps say whether it helps to train with the noise of the test") {
+  PaperResults results = invented_results_of("long-training");
+  const auto heard = [&] { return findings(results); };
+  CHECK(says(heard(), "is better than the one that was trained without at 0 of 28 levels"));  // four maps, all equal
+
+  const Study& study = results.reproduction.studies[0].study;
+  for (Series& series : results.summaries[0].series) {
+    if (study.policies[series.policy].name != "ppo 2, 2 M" || series.sweep == Trial::kNominal) continue;
+    for (Estimate& value : series.values) value.value += 0.5;
+  }
+  CHECK(says(heard(), "at 1 of 28 levels"));  // trained with it, tested with it
 }
 
 TEST_CASE("the page and the text of a reproduction hold its figures and claims, and what failed") {
