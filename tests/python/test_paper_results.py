@@ -29,9 +29,12 @@ def test_the_text_is_made_of_the_tables(gust, tmp_path):
 
 
 def test_the_readme_leads_with_what_was_found():
-    findings = [line[2:] for line in (ROOT / "docs/reproduce.md").read_text().splitlines() if line.startswith("- ")]
+    opening = (ROOT / "docs/reproduce.md").read_text().partition("\n## ")[0]
+    findings = [line[2:] for line in opening.splitlines() if line.startswith("- ")]
     readme = " ".join((ROOT / "README.md").read_text().split())
-    assert findings[0] in readme and findings[1] in readme
+    assert len(findings) > 2
+    for sentence in findings:
+        assert sentence in readme
 
 
 def test_measurements_of_the_committed_policies_give_the_committed_tables_and_verdicts(gust, folder):
