@@ -242,7 +242,7 @@ std::vector<Parting> partings(const ReproductionPage& page) {
        [](const Claim& claim) { return ruled(claim, Ruling::fails, true); }},
       {"Most single trainings show it, but their mean leaves it open.",
        [&](const Claim& claim) { return share(claim) > 0.9; }},
-      {"Hardly a single training shows it, and under no reading does it hold.",
+      {"Hardly a single training shows it, and it holds under no reading that was run.",
        [&](const Claim& claim) { return share(claim) < 0.1; }},
       {"None that these data know.", [](const Claim&) { return true; }},
   };
