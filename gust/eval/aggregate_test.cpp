@@ -27,22 +27,41 @@ TEST_CASE("8.8.4 the bootstrap of equal values has no width") {
   }
 }
 
-TEST_CASE("8.8.4 intervals of the mean of ten normal values cover it in 88 to 96 of 100 trials") {
+/// How often the interval of the mean of normal values covers it.
+double coverage(std::size_t count, double confidence) {
   constexpr std::size_t kTrials = 2'000;
-  Bootstrap bootstrap(Rng(2));
+  Bootstrap bootstrap(Rng(2), 10'000, confidence);
   const Rng normal = Rng(3).split("coverage");
-
   std::size_t covered = 0;
+  std::vector<double> values(count);
   for (std::size_t trial = 0; trial < kTrials; ++trial) {
-    std::array<double, 10> values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = normal.normal(trial * values.size() + i);
-    const Interval found = interval(cell_of(values, values.size()), Statistic::mean, bootstrap);
+    for (std::size_t i = 0; i < count; ++i) values[i] = normal.normal(trial * count + i);
+    const Interval found = interval(cell_of(values, count), Statistic::mean, bootstrap);
     covered += found.low <= 0.0 && 0.0 <= found.high ? 1 : 0;
   }
+  return static_cast<double>(covered) / kTrials;
+}
 
-  const double coverage = static_cast<double>(covered) / kTrials;
-  CHECK(coverage >= 0.88);
-  CHECK(coverage <= 0.96);
+TEST_CASE("8.8.4 intervals of the mean of ten normal values cover it in 88 to 96 of 100 trials") {
+  const double covered = coverage(10, 0.95);
+  CHECK(covered >= 0.88);
+  CHECK(covered <= 0.96);
+}
+
+TEST_CASE("intervals of few values cover less than they say, and widened ones what they say") {
+  CHECK(coverage(5, 0.95) < 0.87);
+  for (const std::size_t count : {std::size_t{5}, std::size_t{10}}) {
+    CAPTURE(count);
+    // Two of a hundred: four standard errors of 2000 trials.
+    CHECK(coverage(count, 1.0 - 2.0 * widened_tail(count)) == doctest::Approx(0.95).epsilon(0.02 / 0.95));
+  }
+}
+
+TEST_CASE("the tail of widened intervals shrinks to the nominal one as units get many") {
+  // SciPy: norm.cdf(-sqrt(n / (n - 1)) * t.ppf(0.975, n - 1))
+  CHECK(widened_tail(5) == doctest::Approx(0.0009541005518824907).epsilon(1e-12));
+  CHECK(widened_tail(10) == doctest::Approx(0.008550639024406366).epsilon(1e-12));
+  CHECK(widened_tail(1'000'000) == doctest::Approx(0.02499980407755414).epsilon(1e-9));
 }
 
 TEST_CASE("episodes are averaged within their seed before anything else") {

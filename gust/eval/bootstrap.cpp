@@ -1,9 +1,21 @@
 #include "gust/eval/bootstrap.h"
 
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
 #include "gust/core/error.h"
 #include "gust/eval/statistics.h"
 
 namespace gust {
+
+double widened_tail(std::size_t units, double confidence) {
+  GUST_CHECK(units > 1 && confidence > 0.0 && confidence < 1.0);
+  const auto n = static_cast<double>(units);
+  const boost::math::students_t student(n - 1.0);
+  const double reach = boost::math::quantile(student, 0.5 + 0.5 * confidence) * std::sqrt(n / (n - 1.0));
+  return boost::math::cdf(boost::math::normal(), -reach);
+}
 
 Bootstrap::Bootstrap(Rng rng, std::size_t resamples, double confidence)
     : rng_(rng), resamples_(resamples), confidence_(confidence) {

@@ -163,6 +163,13 @@ FormulaValue drop(const Arguments& arguments) {
     return most;
   });
 }
+FormulaValue rise(const Arguments& arguments) {
+  return of_curve(arguments[0], "rise", [](Values, Values y) {
+    double sum = 0;
+    for (std::size_t i = 1; i < y.size(); ++i) sum += std::max(y[i] - y[i - 1], 0.0);
+    return sum / static_cast<double>(std::max<std::size_t>(y.size() - 1, 1));
+  });
+}
 FormulaValue argmax(const Arguments& arguments) {
   return of_curve(arguments[0], "argmax", [](Values x, Values y) {
     return x[static_cast<std::size_t>(std::ranges::max_element(y) - y.begin())];
@@ -212,6 +219,7 @@ constexpr FormulaFunction kFunctions[] = {
     {"reach", "curve, bound", "the first place at which it is at least the bound; infinite if there is none", 2, 2,
      reach},
     {"drop", "curve", "the greatest fall from one point to the next", 1, 1, drop},
+    {"rise", "curve", "the mean rise from one point to the next, a fall counting as none", 1, 1, rise},
     {"argmax", "curve", "where it is greatest, the first place of several", 1, 1, argmax},
     {"straightness", "curve", "R^2 of a straight line through it", 1, 1, straightness},
     {"spearman", "list, list", "rank correlation of two lists, or of one curve with its axis", 1, 2,

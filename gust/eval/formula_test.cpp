@@ -84,6 +84,8 @@ TEST_CASE("functions of curves") {
   CHECK(number("half(r('lqr'))") == 3.0);
   CHECK(number("margin(r('lqr'))") == doctest::Approx(0.4).epsilon(1e-12));
   CHECK(number("drop(r('lqr'))") == 0.5);
+  CHECK(number("rise([(k - 2) * (k - 2) for k in [0, 1, 2, 3]])") == doctest::Approx(1.0 / 3.0).epsilon(1e-15));
+  CHECK(number("rise([7 for k in [1]])") == 0.0);
   CHECK(number("reach([k * k for k in [1, 2, 3]], 4)") == 2.0);
   CHECK(std::isinf(number("reach(r('lqr'), 2)")));
   CHECK(number("argmax([-(k - 2) * (k - 2) for k in [1, 2, 3]])") == 2.0);

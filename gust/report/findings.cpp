@@ -3,6 +3,7 @@
 
 #include "gust/core/text.h"
 #include "gust/report/html.h"
+#include "gust/report/printed_table.h"
 #include "gust/report/reproduction_results.h"
 #include "gust/report/verdicts.h"
 
@@ -74,6 +75,22 @@ std::string reading_sentence(const PaperResults& results) {
   return cat(changing.size(), changing.size() == 1 ? " claim holds" : " claims hold",
              " under one reading of the paper and ", changing.size() == 1 ? "fails" : "fail",
              " under another: ", join(changing, ", "), ".");
+}
+
+/// Percentile intervals of few seeds cover less than they say: whose verdict that may have decided.
+std::string narrow_intervals_sentence(const PaperResults& results) {
+  std::size_t decided = 0;
+  std::vector<std::string> falling;
+  for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
+    const std::vector<const PaperVerdict*> on = results.on(c);
+    if (on.empty() || !on.front()->decided()) continue;
+    ++decided;
+    if (!on.front()->stands_widened()) falling.push_back(results.reproduction.paper->claims[c].id);
+  }
+  if (decided == 0) return "";
+  return cat("Bootstrap intervals of few seeds are too narrow. Widened until they cover 95 %, they leave ",
+             decided - falling.size(), " of the ", decided, " verdicts that hold or fail",
+             falling.empty() ? "." : cat("; the others become undecided: ", join(falling, ", "), "."));
 }
 
 /// How often one training of each policy, in place of all of them, would have shown what the paper says.
@@ -226,14 +243,35 @@ std::string training_noise_sentence(const PaperResults& results) {
       better, " of ", asked, " levels.");
 }
 
+/// What the paper prints in its tables beside what we measured.
+std::string tables_sentence(const PaperResults& results) {
+  const Paper& paper = *results.reproduction.paper;
+  std::size_t measured = 0, within = 0, among = 0;
+  for (const PaperFigure& figure : paper.figures) {
+    const std::optional<std::size_t> at = results.reproduction.find(0, figure.study);
+    if (!at || figure.table.empty()) continue;
+    for (const auto& cell : table_of(paper, figure, results.reproduction.studies[*at].study, results.summaries[*at])) {
+      if (cell.trainings.empty()) continue;
+      ++measured;
+      within += stands_apart(cell) ? 0 : 1;
+      among += among_trainings(cell) ? 1 : 0;
+    }
+  }
+  if (measured == 0) return "";
+  return cat("Of the ", counted(measured, "number", "numbers"), " in the paper's tables ",
+             counted(within, "lies", "lie"), " in the interval of our mean, and ", among,
+             " between the least and the greatest of our single trainings.");
+}
+
 }  // namespace
 
 std::vector<std::string> findings(const PaperResults& results) {
   std::vector<std::string> sentences;
   for (std::string sentence :
        {counts_sentence(results), hardness_sentence(results), reading_sentence(results), one_training_sentence(results),
-        training_noise_sentence(results), early_failure_sentence(results), saturation_sentence(results),
-        regulator_sentence(results), budget_sentence(results)}) {
+        narrow_intervals_sentence(results), tables_sentence(results), training_noise_sentence(results),
+        early_failure_sentence(results), saturation_sentence(results), regulator_sentence(results),
+        budget_sentence(results)}) {
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   }
   return sentences;

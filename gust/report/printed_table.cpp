@@ -23,7 +23,6 @@ struct Axis {
       high = std::max(high, value);
     }
   }
-  double scale() const { return std::max(-low, high); }
   std::string place(double value) const {
     const double share = high > low ? (value - low) / (high - low) : 0.0;
     return fmt::format("{:.1f}%", 100 * std::clamp(share, 0.0, 1.0));
@@ -42,34 +41,53 @@ std::string bar(std::string_view kind, const Page::Estimate& estimate, const Axi
              middle + 4, "\"/>");
 }
 
-/// The printed value above ours, on the axis of their row.
+std::string dots(const std::vector<double>& values, const Axis& axis, int middle) {
+  std::string out;
+  for (const double value : values) {
+    if (std::isfinite(value))
+      out += cat("<circle class=\"ours\" cx=\"", axis.place(value), "\" cy=\"", middle, "\" r=\"2\"/>");
+  }
+  return out;
+}
+
+/// The printed value above ours and, below, our single trainings, on the axis of their row.
 std::string micro_plot(const TableCell& cell, const Axis& axis) {
   const std::string zero = axis.place(0);
-  return cat("<svg class=\"micro\" height=\"20\" aria-hidden=\"true\"><line class=\"axis\" x1=\"", zero, "\" x2=\"",
-             zero, "\" y1=\"0\" y2=\"20\"/>", bar("printed", cell.printed, axis, 5), bar("ours", cell.ours, axis, 15),
-             "</svg>");
+  const int height = cell.trainings.empty() ? 20 : 26;
+  return cat("<svg class=\"micro\" height=\"", height, "\" aria-hidden=\"true\"><line class=\"axis\" x1=\"", zero,
+             "\" x2=\"", zero, "\" y1=\"0\" y2=\"", height, "\"/>", bar("printed", cell.printed, axis, 5),
+             bar("ours", cell.ours, axis, 15), dots(cell.trainings, axis, 23), "</svg>");
 }
 
-std::string printed_text(const Page::Estimate& printed, double scale) {
+/// "0.195 [0.142, 11.7]": errors of one table differ by orders of magnitude, so each number has its own three digits.
+std::string number_text(const Page::Estimate& estimate) {
+  std::string out = short_number(estimate.value);
+  if (estimate.low < estimate.high)
+    out +=
+        cat(" <span class=\"interval\">[", short_number(estimate.low), ", ", short_number(estimate.high), "]</span>");
+  return out;
+}
+
+std::string printed_text(const Page::Estimate& printed) {
   const double deviation = (printed.high - printed.low) / 2;
-  return cat(decimal(printed.value, scale),
-             std::isfinite(deviation) ? cat(" <span class=\"interval\">± ", decimal(deviation, scale), "</span>") : "");
+  return cat(short_number(printed.value),
+             std::isfinite(deviation) ? cat(" <span class=\"interval\">± ", short_number(deviation), "</span>") : "");
 }
 
-std::string difference_text(const TableCell& cell, double scale) {
+std::string difference_text(const TableCell& cell) {
   const double difference = cell.ours.value - cell.printed.value;
   if (!std::isfinite(difference)) return "–";
-  const std::string text = cat(difference > 0 ? "+" : "", decimal(difference, scale));
+  const std::string text = cat(difference > 0 ? "+" : "", short_number(difference));
   if (!stands_apart(cell)) return text;
   return cat("<b title=\"Our interval leaves out the printed value\">", difference > 0 ? "▲" : "▼", " ", text, "</b>");
 }
 
 std::string cell_row(const TableCell& cell, const Axis& axis) {
-  const double scale = axis.scale();
-  return cat("<tr><th scope=\"row\">", escaped(cell.column), "</th><td class=\"number\">",
-             printed_text(cell.printed, scale), "</td><td class=\"number\">", decimal(cell.ours.value, scale),
-             " <span class=\"interval\">", interval_text(cell.ours, scale), "</span></td><td class=\"number\">",
-             difference_text(cell, scale), "</td><td class=\"plot\">", micro_plot(cell, axis), "</td></tr>\n");
+  std::string out = cat("<tr><th scope=\"row\">", escaped(cell.column), "</th>");
+  for (const std::string& number :
+       {printed_text(cell.printed), number_text(cell.ours), difference_text(cell), number_text(training_range(cell))})
+    out += cat("<td class=\"number\">", number, "</td>");
+  return cat(out, "<td class=\"plot\">", micro_plot(cell, axis), "</td></tr>\n");
 }
 
 /// Neighbours of one row's name, under that name.
@@ -78,8 +96,9 @@ std::string group_html(std::span<const TableCell> cells) {
   for (const auto& cell : cells) {
     axis.reach(cell.printed);
     axis.reach(cell.ours);
+    axis.reach(training_range(cell));
   }
-  std::string out = cat("<tbody><tr class=\"group\"><th colspan=\"5\" scope=\"rowgroup\">", escaped(cells.front().row),
+  std::string out = cat("<tbody><tr class=\"group\"><th colspan=\"6\" scope=\"rowgroup\">", escaped(cells.front().row),
                         "</th></tr>\n");
   for (const auto& cell : cells) out += cell_row(cell, axis);
   return out + "</tbody>\n";
@@ -91,21 +110,40 @@ bool stands_apart(const TableCell& cell) {
   return cell.printed.value < cell.ours.low || cell.printed.value > cell.ours.high;
 }
 
+Page::Estimate training_range(const TableCell& cell) {
+  std::vector<double> values;
+  std::ranges::copy_if(cell.trainings, std::back_inserter(values), [](double value) { return std::isfinite(value); });
+  if (values.empty()) return {};
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return {values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]), values.front(),
+          values.back()};
+}
+
+bool among_trainings(const TableCell& cell) {
+  const Page::Estimate range = training_range(cell);
+  return range.low <= cell.printed.value && cell.printed.value <= range.high;
+}
+
 std::string printed_table(const ReproductionPage::Figure& figure) {
   if (figure.table.empty()) return "";
   const auto apart = static_cast<std::size_t>(std::ranges::count_if(figure.table, stands_apart));
   const auto measured = static_cast<std::size_t>(
       std::ranges::count_if(figure.table, [](const TableCell& cell) { return std::isfinite(cell.ours.low); }));
+  const auto among = std::ranges::count_if(figure.table, among_trainings);
   std::string out =
       cat("<h3>The paper’s table beside ours</h3>\n<p class=\"lead\">", escaped(figure.table_metric), ". ", apart,
           " of ", counted(measured, "printed value", "printed values"), apart == 1 ? " lies" : " lie",
-          " outside our interval: <b>▲</b> ours is larger, <b>▼</b> smaller.</p>\n"
+          " outside our interval: <b>▲</b> ours is larger, <b>▼</b> smaller. ", among, among == 1 ? " lies" : " lie",
+          " between our least and greatest single training.</p>\n"
           "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The paper’s table beside ours\"><table "
           "class=\"printed\">\n<thead><tr><th scope=\"col\">policy</th><th scope=\"col\" "
           "class=\"number\">paper <small>± std</small></th><th scope=\"col\" class=\"number\">ours "
           "<small>[interval]</small>"
-          "</th><th scope=\"col\" class=\"number\">difference</th><th scope=\"col\" class=\"plot\"><span "
-          "class=\"swatch-bar printed\"></span>paper <span class=\"swatch-bar ours\"></span>ours</th></tr></thead>\n");
+          "</th><th scope=\"col\" class=\"number\">difference</th><th scope=\"col\" class=\"number\">one training "
+          "<small>median [least, greatest]</small></th><th scope=\"col\" class=\"plot\"><span "
+          "class=\"swatch-bar printed\"></span>paper <span class=\"swatch-bar ours\"></span>ours "
+          "<span class=\"swatch-dot\"></span>each training</th></tr></thead>\n");
   const std::span<const TableCell> cells(figure.table);
   for (std::size_t from = 0; from < cells.size();) {
     std::size_t to = from + 1;

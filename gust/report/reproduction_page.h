@@ -43,6 +43,7 @@ struct ReproductionPage {
     std::string column;
     Page::Estimate printed;  ///< low and high: one standard deviation to each side, where the paper has it
     Page::Estimate ours;
+    std::vector<double> trainings = {};  ///< ours, of each training alone
   };
 
   struct Figure {

@@ -47,7 +47,7 @@ ReproductionPage small_page() {
   auto& second = page.figures[1];
   second.id = "two";
   second.place = "Table I";
-  second.table = {{"default", "PPO", {0.5, 0.25, 0.75}, {0.75, 0.625, 0.875}},
+  second.table = {{"default", "PPO", {0.5, 0.25, 0.75}, {0.75, 0.625, 0.875}, {0.875, 0.25, 0.5, 0.75}},
                   {"default", "RAP", {0.5, 0.25, 0.75}, {0.5, 0.25, 0.75}}};
   return page;
 }
@@ -57,7 +57,7 @@ ReproductionPage small_page() {
 TEST_CASE("a claim that does not hold has the first reason that the data give") {
   using enum Ruling;
   ReproductionPage page;
-  for (const char* id : {"fine", "few", "reading", "seeds", "printed", "most", "hardly", "none"})
+  for (const char* id : {"fine", "few", "reading", "seeds", "printed", "most", "hardly", "intervals", "none"})
     page.claims.push_back(claim(id, {std::string(id) == "fine" ? holds : fails, fails}));
   page.claims[1].verdicts[0] = {0, undecided, {}, 2, ""};
   page.claims[2].verdicts[1].ruling = holds;
@@ -67,10 +67,12 @@ TEST_CASE("a claim that does not hold has the first reason that the data give") 
   page.claims[5].verdicts[0].one_training = 0.95;
   page.claims[5].verdicts[0].ruling = undecided;
   page.claims[6].verdicts[0].one_training = 0.02;
+  page.claims[7].verdicts[0].seeds = 10;
+  page.claims[8].verdicts[0].seeds = 0;
 
   const std::vector<Parting> found = partings(page);
 
-  REQUIRE(found.size() == 7);
+  REQUIRE(found.size() == 8);
   for (std::size_t i = 0; i < found.size(); ++i) {
     REQUIRE(found[i].claims.size() == 1);
     CHECK(found[i].claims[0] == &page.claims[i + 1]);
@@ -144,10 +146,24 @@ TEST_CASE("the difference to the paper is marked where our interval leaves its v
   CHECK(stands_apart(figure.table[0]));
   CHECK_FALSE(stands_apart(figure.table[1]));
   CHECK(holds(html, "1 of 2 printed values lies outside our interval"));
-  CHECK(holds(html, "▲ +0.250"));
-  CHECK(holds(html, "0.500 <span class=\"interval\">± 0.250</span>"));
-  CHECK(count(html, "<th colspan=\"5\" scope=\"rowgroup\"") == 1);
-  CHECK(count(html, "<th scope=\"col\"") == 5);
+  CHECK(holds(html, "▲ +0.25"));
+  CHECK(holds(html, "0.5 <span class=\"interval\">± 0.25</span>"));
+  CHECK(count(html, "<th colspan=\"6\" scope=\"rowgroup\"") == 1);
+  CHECK(count(html, "<th scope=\"col\"") == 6);
+}
+
+TEST_CASE("a table shows what single trainings would have shown") {
+  const auto figure = small_page().figures[1];
+
+  const std::string html = printed_table(figure);
+
+  CHECK(among_trainings(figure.table[0]));
+  CHECK_FALSE(among_trainings(figure.table[1]));  // none were kept
+  CHECK_FALSE(among_trainings({"", "", {0.2, 0.2, 0.2}, {}, {0.25, 0.5}}));
+  CHECK(among_trainings({"", "", {0.25, 0.25, 0.25}, {}, {0.25, Page::kUnknown}}));
+  CHECK(holds(html, "1 lies between our least and greatest single training"));
+  CHECK(holds(html, "0.625 <span class=\"interval\">[0.25, 0.875]</span>"));
+  CHECK(count(html, "<circle class=\"ours\"") == 4);
 }
 
 TEST_CASE("a value without an interval is not called different, and one that is missing has no difference") {

@@ -19,16 +19,21 @@ std::size_t start_named(const Study& study, const std::string& name) {
   return at == study.starts.end() ? 0 : static_cast<std::size_t>(at - study.starts.begin());
 }
 
-/// Our value of a metric for a policy in a sweep of one cell, from random starts.
-Page::Estimate measured(const Study& study, const Summary& summary, const std::string& policy, const std::string& sweep,
-                        const std::string& metric) {
-  const auto p = std::ranges::find(study.policies, policy, &StudyPolicy::name);
-  const auto s = std::ranges::find(study.sweeps, sweep, &Sweep::name);
-  if (p == study.policies.end() || s == study.sweeps.end()) return {};
+/// Fills in our values of a metric, for the column's policy in the row's sweep of one cell, from random starts.
+void fill_ours(const Study& study, const Summary& summary, const std::string& metric,
+               ReproductionPage::TableCell& cell) {
+  const auto p = std::ranges::find(study.policies, cell.column, &StudyPolicy::name);
+  const auto s = std::ranges::find(study.sweeps, cell.row, &Sweep::name);
+  if (p == study.policies.end() || s == study.sweeps.end()) return;
   const Series* series = summary.find(static_cast<std::size_t>(p - study.policies.begin()),
                                       static_cast<std::size_t>(s - study.sweeps.begin()), start_named(study, "random"));
-  return series == nullptr ? Page::Estimate{} : shown(series->at(study.metric_set.index(metric, {}), 0));
+  if (series == nullptr) return;
+  const std::size_t index = study.metric_set.index(metric, {});
+  cell.ours = shown(series->at(index, 0));
+  if (const auto at = series->trainings.find(index); at != series->trainings.end()) cell.trainings = at->second;
 }
+
+}  // namespace
 
 std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const PaperFigure& figure, const Study& study,
                                                   const Summary& summary) {
@@ -40,11 +45,13 @@ std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const Pape
       cell.printed.low = value.mean - value.deviation;
       cell.printed.high = value.mean + value.deviation;
     }
-    cell.ours = measured(study, summary, value.column, value.row, figure.metric);
+    fill_ours(study, summary, figure.metric, cell);
     cells.push_back(std::move(cell));
   }
   return cells;
 }
+
+namespace {
 
 /// A page of maps in place of the policies that they are made of.
 void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summary& summary, Page& page) {

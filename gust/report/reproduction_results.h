@@ -11,6 +11,10 @@ namespace gust {
 /// The page of what a reproduction found. `command` is the one that ran it.
 ReproductionPage reproduction_page(const PaperResults& results, const std::string& command);
 
+/// What the paper prints in a table beside what the study found; empty where the figure is no table.
+std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const PaperFigure& figure, const Study& study,
+                                                  const Summary& summary);
+
 /// The scores of one map from one start: rows are the levels of the trainings, columns those of the test. Empty where
 /// the study lacks a policy or the sweep.
 std::vector<double> map_values(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,

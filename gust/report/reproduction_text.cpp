@@ -3,6 +3,7 @@
 
 #include "gust/core/text.h"
 #include "gust/report/html.h"
+#include "gust/report/printed_table.h"
 #include "gust/report/reproduction_results.h"
 #include "gust/report/verdicts.h"
 
@@ -58,14 +59,22 @@ std::string claims_table(const ReproductionPage& page, const ReproductionPage::F
   return text + "\n";
 }
 
+/// "; 0.19, 0.17 to 11" of our single trainings.
+std::string trainings_text(const ReproductionPage::TableCell& cell) {
+  const Page::Estimate range = training_range(cell);
+  if (!std::isfinite(range.value)) return "";
+  return cat("; ", short_number(range.value), ", ", short_number(range.low), " to ", short_number(range.high));
+}
+
 /// The paper's table beside ours: a line a row, a column a policy, the printed value first.
-std::string printed_table(const ReproductionPage::Figure& figure) {
+std::string table_text(const ReproductionPage::Figure& figure) {
   std::vector<std::string> rows, columns;
   for (const auto& value : figure.table) {
     if (std::ranges::find(rows, value.row) == rows.end()) rows.push_back(value.row);
     if (std::ranges::find(columns, value.column) == columns.end()) columns.push_back(value.column);
   }
-  std::string text = cat("Printed, then ours (", figure.table_metric, ", mean over seeds):\n\n|  |");
+  std::string text = cat("Printed → ours (", figure.table_metric,
+                         ", mean over seeds [interval]; median of single trainings, least to greatest):\n\n|  |");
   for (const std::string& column : columns) text += cat(" ", cell(column), " |");
   text += "\n| --- |";
   for (std::size_t i = 0; i < columns.size(); ++i) text += " --- |";
@@ -75,8 +84,9 @@ std::string printed_table(const ReproductionPage::Figure& figure) {
     for (const std::string& column : columns) {
       const auto at = std::ranges::find_if(
           figure.table, [&](const auto& value) { return value.row == row && value.column == column; });
-      text +=
-          at == figure.table.end() ? " |" : cat(" ", short_number(at->printed.value), " → ", number(at->ours), " |");
+      text += at == figure.table.end()
+                  ? " |"
+                  : cat(" ", short_number(at->printed.value), " → ", number(at->ours), trainings_text(*at), " |");
     }
     text += "\n";
   }
@@ -91,7 +101,7 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   if (!page.label.empty()) text += cat("**", page.label, "**\n\n");
   text +=
       cat("Made by `", command,
-          "`; nothing here was typed by hand. Verdicts are at 95 % over training seeds: a claim "
+          "`; nothing here was typed by hand. Verdicts are at 95 % over training seeds (percentile bootstrap): a claim "
           "holds if it is true throughout the interval, fails if nowhere, else it is undecided, as it is from fewer "
           "than ",
           kSeedsForVerdict, " seeds. Seeds whose training diverged are left out, and named at the end. ",
@@ -109,7 +119,7 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   for (const auto& figure : page.figures) {
     text += cat("\n## ", figure.place, ": ", figure.title, "\n\nThe paper: ", figure.says, "\n\n");
     if (!figure.trained.empty()) text += cat(figure.trained, "\n\n");
-    if (!figure.table.empty()) text += printed_table(figure);
+    if (!figure.table.empty()) text += table_text(figure);
     if (!figure.claims.empty()) text += claims_table(page, figure);
   }
   if (!page.warnings.empty()) text += "\n## What failed\n\n";

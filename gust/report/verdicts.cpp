@@ -242,8 +242,12 @@ std::vector<Parting> partings(const ReproductionPage& page) {
        [](const Claim& claim) { return ruled(claim, Ruling::fails, true); }},
       {"Most single trainings show it, but their mean leaves it open.",
        [&](const Claim& claim) { return share(claim) > 0.9; }},
-      {"Hardly a single training shows it, and it holds under no reading that was run.",
+      {"Hardly a single training of ours shows it, and it holds under no reading of ours.",
        [&](const Claim& claim) { return share(claim) < 0.1; }},
+      {"It compares intervals, of which a single training has none, and it holds under no reading of ours.",
+       [&](const Claim& claim) {
+         return !std::isfinite(share(claim)) && claim.verdicts.front().seeds >= kSeedsForVerdict;
+       }},
       {"None that these data know.", [](const Claim&) { return true; }},
   };
   std::vector<Parting> found;

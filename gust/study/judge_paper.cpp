@@ -3,6 +3,7 @@
 #include <exception>
 #include <thread>
 
+#include "gust/eval/bootstrap.h"
 #include "gust/study/claim_scores.h"
 #include "gust/study/reproduction.h"
 
@@ -107,8 +108,8 @@ class Judge {
     }
     result.measured = finding.measured;
     result.verdict = std::move(finding.verdict);
-    const bool decided = result.verdict.ruling == Ruling::holds || result.verdict.ruling == Ruling::fails;
-    if (decided && result.seeds > 0 && result.seeds < kSeedsForVerdict)
+    result.share = finding.share;
+    if (result.decided() && result.seeds > 0 && result.seeds < kSeedsForVerdict)
       result.verdict = {Ruling::undecided, cat(result.seeds, " seeds are too few; ", result.verdict.reason)};
     return result;
   }
@@ -170,6 +171,12 @@ class Judge {
 };
 
 }  // namespace
+
+bool PaperVerdict::stands_widened() const {
+  if (!decided() || seeds == 0) return decided();
+  const double against = verdict.ruling == Ruling::holds ? 1.0 - share : share;
+  return against <= widened_tail(seeds);
+}
 
 std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
                                       const Store& store, std::size_t threads) {

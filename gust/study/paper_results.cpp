@@ -37,13 +37,13 @@ std::string number_text(double value) { return std::isnan(value) ? std::string()
 std::string claims_csv(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   std::string text =
-      csv_line({"id", "reading", "verdict", "estimate", "low", "high", "seeds", "one_training", "reason"});
+      csv_line({"id", "reading", "verdict", "estimate", "low", "high", "seeds", "share", "one_training", "reason"});
   for (const PaperVerdict& verdict : results.verdicts) {
     const Interval& measured = verdict.measured;
     text += csv_line({paper.claims[verdict.claim].id, paper.readings[verdict.reading].name,
                       std::string(ruling_name(verdict.verdict.ruling)), number_text(measured.estimate),
                       number_text(measured.low), number_text(measured.high), cat(verdict.seeds),
-                      number_text(verdict.one_training), verdict.verdict.reason});
+                      number_text(verdict.share), number_text(verdict.one_training), verdict.verdict.reason});
   }
   return text;
 }
@@ -70,6 +70,7 @@ void read_claims(const fs::path& file, PaperResults& results) {
     verdict.measured.low = table.number(i, "low");
     verdict.measured.high = table.number(i, "high");
     verdict.seeds = table.whole(i, "seeds");
+    verdict.share = table.number(i, "share");
     verdict.one_training = table.number(i, "one_training");
     verdict.verdict = {ruling_from(table.text(i, "verdict"), table.place(i)), table.text(i, "reason")};
     results.verdicts.push_back(std::move(verdict));

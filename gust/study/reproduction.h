@@ -47,6 +47,11 @@ struct PaperVerdict {
   /// How likely it is to be true of one training of each policy, drawn from the seeds. Not a number where there are
   /// fewer than kSeedsForVerdict, or one training says nothing of the claim: of intervals, or how seeds differ.
   double one_training = std::numeric_limits<double>::quiet_NaN();
+  double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples of the seeds in which it is true
+
+  bool decided() const { return verdict.ruling == Ruling::holds || verdict.ruling == Ruling::fails; }
+  /// Whether a verdict stays decided where the interval is widened until it covers what it says (widened_tail).
+  bool stands_widened() const;
 };
 
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose

@@ -50,8 +50,8 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   const Reproduction reproduction =
       open_reproduction(paper, {.profile = "quick", .only = {"learning-curves", "white"}, .seeds = {}});
 
-  REQUIRE(reproduction.studies.size() ==
-          8);  // two of the main reading, of scg-default and of RAP goes on, white under two
+  // Two of the main reading, of scg-default, of RAP goes on and of RARL at 0.01; white under two more.
+  REQUIRE(reproduction.studies.size() == 10);
   CHECK(reproduction.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2});
   CHECK(reproduction.studies[0].study.policies[1].agent->steps() == 100'000);
   CHECK(reproduction.studies[2].study.setup.preset == "scg-default");
@@ -60,6 +60,25 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   CHECK_FALSE(reproduction.find(0, "step").has_value());
   const Reproduction more = open_reproduction(paper, {.profile = "paper", .only = {"white"}, .seeds = 3});
   CHECK(more.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2, 3});
+}
+
+TEST_CASE("a verdict stands widened intervals where few enough resamples speak against it") {
+  const auto verdict = [](Ruling ruling, std::size_t seeds, double share) {
+    PaperVerdict result;
+    result.verdict.ruling = ruling;
+    result.seeds = seeds;
+    result.share = share;
+    return result;
+  };
+  // With ten seeds 0.0086 of the resamples may, with five 0.00095 (gust/eval/aggregate_test.cpp).
+  CHECK(verdict(Ruling::fails, 10, 0.008).stands_widened());
+  CHECK_FALSE(verdict(Ruling::fails, 10, 0.009).stands_widened());
+  CHECK_FALSE(verdict(Ruling::fails, 5, 0.008).stands_widened());
+  CHECK(verdict(Ruling::holds, 5, 0.9995).stands_widened());
+  CHECK_FALSE(verdict(Ruling::holds, 5, 0.99).stands_widened());
+  CHECK(verdict(Ruling::holds, 0, 1.0).stands_widened());  // nothing was trained
+  CHECK_FALSE(verdict(Ruling::undecided, 10, 0.5).stands_widened());
+  CHECK_FALSE(verdict(Ruling::not_testable, 0, 1.0).stands_widened());
 }
 
 TEST_CASE("what is not known of a paper is an error with what is") {

@@ -16,6 +16,9 @@ constexpr std::string_view kMargin = "margin";
 constexpr std::string_view kMarginAtLeast = "margin_at_least";
 constexpr std::string_view kNotFinite = "not_finite";
 
+// What stands in the column `over` of a line that is about one training alone.
+constexpr std::string_view kOneTraining = "training";
+
 /// Nothing for what is not known.
 std::string number_text(double value) { return std::isnan(value) ? std::string() : cat(value); }
 
@@ -33,6 +36,9 @@ class SeriesLines {
     for (std::size_t cell = 0; cell < series_.cells; ++cell) {
       for (const std::size_t metric : series_.metrics)
         lines += line(levels_of(cell), study_.metric_set.name(metric), series_.at(metric, cell));
+    }
+    for (const auto& [metric, values] : series_.trainings) {
+      for (const double value : values) lines += training_line(study_.metric_set.name(metric), value);
     }
     if (series_.has_margin) {
       const Interval& level = series_.margin.level;
@@ -59,10 +65,19 @@ class SeriesLines {
 
   std::string line(const std::pair<std::string, std::string>& levels, const std::string& metric,
                    const Estimate& estimate) const {
+    return any_line(levels, metric, estimate, series_.units, unit_name(series_.unit));
+  }
+
+  std::string training_line(const std::string& metric, double value) const {
+    return any_line(levels_of(0), metric, {value, kUnknown, kUnknown}, 1, kOneTraining);
+  }
+
+  std::string any_line(const std::pair<std::string, std::string>& levels, const std::string& metric,
+                       const Estimate& estimate, std::size_t units, std::string_view over) const {
     return csv_line({study_.policies[series_.policy].name, sweep() ? sweep()->name : "",
                      study_.starts[series_.start].name, levels.first, levels.second, metric,
-                     number_text(estimate.value), number_text(estimate.low), number_text(estimate.high),
-                     cat(series_.units), std::string(unit_name(series_.unit))});
+                     number_text(estimate.value), number_text(estimate.low), number_text(estimate.high), cat(units),
+                     std::string(over)});
   }
 
   const Study& study_;
@@ -164,6 +179,10 @@ class CellReader {
     const auto at = std::ranges::find(series.metrics, index);
     if (at == series.metrics.end())
       throw Error(cat(table_.place(line), ": the study does not lead with '", metric, "'"));
+    if (table_.text(line, "over") == kOneTraining) {
+      series.trainings[index].push_back(estimate.value);
+      return;
+    }
     const auto row = static_cast<std::size_t>(at - series.metrics.begin());
     series.values[row * series.cells + cell_of(line, series.sweep)] = estimate;
   }

@@ -28,6 +28,7 @@ Study rich_study() {
   text +=
       "[[sweep]]\nname = \"both, \\\"grid\\\"\"\ngrid = { pole_length = [0.25, 0.5], pole_mass = [0.1, 0.2, 0.3] }\n";
   text += "[[policy]]\nname = \"ppo\"\nkind = \"train\"\nagent = { kind = \"ppo\", steps = 400 }\nseeds = [3, 4]\n";
+  text += "[[sweep]]\nname = \"long\"\nvary = \"pole_length\"\nscale = [1.5]\n";
   return small_study({}, text);
 }
 
@@ -46,10 +47,25 @@ TEST_CASE("a summary is the same after a way through its tables") {
   CHECK(study.sweeps[0].axes[0].values == before.study.sweeps[0].axes[0].values);
   CHECK(summary.series.size() == before.summary.series.size());
   CHECK(summary.curves.size() == 2);
+  CHECK(summary.find(2, 3, 1)->trainings == before.summary.find(2, 3, 1)->trainings);
   CHECK(cells_csv(study, summary) == cells);
   CHECK(curves_csv(study, summary) == curves);
   CHECK(margins_table(study, summary, 1, 100) == margins_table(before.study, before.summary, 1, 100));
   CHECK(summary.undisturbed(0, 0) == before.summary.undisturbed(0, 0));
+}
+
+TEST_CASE("a sweep of one cell keeps what each training alone shows") {
+  const Measured found = measured(rich_study());
+  const Series& ppo = *found.summary.find(2, 3, 1);
+  const std::size_t metric = found.study.metrics.front();
+
+  REQUIRE(ppo.trainings.contains(metric));
+  const std::vector<double>& values = ppo.trainings.at(metric);
+  REQUIRE(values.size() == 2);
+  CHECK(values[0] != values[1]);
+  CHECK(0.5 * (values[0] + values[1]) == doctest::Approx(ppo.at(metric, 0).value).epsilon(1e-14));
+  CHECK(found.summary.find(2, 0, 1)->trainings.empty());  // several cells
+  CHECK(found.summary.find(0, 3, 1)->trainings.empty());  // trained nothing
 }
 
 TEST_CASE("tables of another study are errors with their lines") {

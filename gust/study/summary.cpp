@@ -109,6 +109,9 @@ class Summariser {
       const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
       series.values[i * series.cells + cell] = {result.estimate, result.low, result.high};
+      const bool alone = series.cells == 1 && series.sweep != Trial::kNominal;
+      if (alone && metric == study_.metrics.front() && result.unit == Unit::seeds)
+        series.trainings[metric] = unit_values(values.view());
       if (metric == margin_metric_) {
         for (std::size_t m = 0; m < values.rows(); ++m) {
           series.not_finite += static_cast<std::size_t>(

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+
 #include "gust/eval/claim.h"
 #include "gust/eval/margin.h"
 #include "gust/study/run.h"
@@ -21,7 +23,9 @@ struct Series {
   std::size_t cells = 0;
   std::vector<std::size_t> metrics = {};  ///< which ones: summarised_metrics()
   std::vector<Estimate> values = {};      ///< [metric][cell]
-  Unit unit = Unit::none;                 ///< what the intervals were resampled over
+  /// Of a sweep of one cell, for the first metric that the page leads with: what each training alone would have shown.
+  std::map<std::size_t, std::vector<double>> trainings = {};
+  Unit unit = Unit::none;  ///< what the intervals were resampled over
   std::size_t units = 0;
   Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
   bool has_margin = false;

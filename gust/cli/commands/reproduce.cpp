@@ -123,6 +123,7 @@ std::string verdicts_json(const PaperResults& results) {
                       {"low", number(verdict.measured.low)},
                       {"high", number(verdict.measured.high)},
                       {"seeds", verdict.seeds},
+                      {"share", number(verdict.share)},
                       {"one_training", number(verdict.one_training)},
                       {"reason", verdict.verdict.reason}});
   }
