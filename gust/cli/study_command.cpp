@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "gust/cli/command.h"
@@ -83,13 +84,35 @@ std::size_t thread_count(std::size_t asked) {
   return std::max(1u, std::thread::hardware_concurrency());
 }
 
-std::vector<std::string> complaints(const RunOutcome& outcome) {
+std::vector<std::string> complaints(std::span<const RunOutcome> outcomes) {
+  std::vector<std::pair<std::string, std::set<std::string>>> failed;  // what, and the trials that it took with it
+  for (const RunOutcome& outcome : outcomes) {
+    const auto entry_of = [&](const std::string& line) -> std::set<std::string>& {
+      const auto at = std::ranges::find(failed, line, &decltype(failed)::value_type::first);
+      return at == failed.end() ? failed.emplace_back(line, std::set<std::string>{}).second : at->second;
+    };
+    const auto line_of = [&](std::size_t trial) {
+      const bool skipped = outcome.outcomes[trial].state == Outcome::State::skipped;
+      return cat(outcome.plan.trials[trial].what,
+                 skipped ? " was skipped: " : " failed: ", outcome.outcomes[trial].reason);
+    };
+    for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {
+      const Trial& trial = outcome.plan.trials[i];
+      if (outcome.outcomes[i].state == Outcome::State::failed) entry_of(line_of(i));
+      if (outcome.outcomes[i].state != Outcome::State::skipped) continue;
+      const std::size_t cause = trial.inputs.empty() ? i : trial.inputs.front();
+      if (outcome.outcomes[cause].state == Outcome::State::failed) {
+        entry_of(line_of(cause)).insert(trial.id);
+      } else {
+        entry_of(line_of(i));
+      }
+    }
+  }
   std::vector<std::string> lines;
-  for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {
-    const Outcome& result = outcome.outcomes[i];
-    const std::string& what = outcome.plan.trials[i].what;
-    if (result.state == Outcome::State::failed) lines.push_back(cat(what, " failed: ", result.reason));
-    if (result.state == Outcome::State::skipped) lines.push_back(cat(what, " was skipped: ", result.reason));
+  for (const auto& [line, skipped] : failed) {
+    lines.push_back(skipped.empty() ? line
+                                    : cat(line, "; ", skipped.size(), skipped.size() == 1 ? " trial" : " trials",
+                                          " of it skipped"));
   }
   return lines;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "gust/report/study_page.h"
 #include "gust/study/folder.h"
 #include "gust/study/summary.h"
@@ -20,8 +22,9 @@ OpenStudy open_study(const std::string& path);
 /// Tells one line on stderr.
 void tell(const std::string& text);
 
-/// One line for each trial that did not end well.
-std::vector<std::string> complaints(const RunOutcome& outcome);
+/// One line for each trial that did not end well; those that were skipped for want of another are counted with that
+/// one.
+std::vector<std::string> complaints(std::span<const RunOutcome> outcomes);
 
 /// Versions, machine and time, as pages tell them.
 std::vector<std::pair<std::string, std::string>> provenance();

@@ -50,3 +50,15 @@ def test_margins_of_many_policies_fit_in_blocks(gust, tmp_path, columns):
     tables = sum(line.startswith("sweep") for line in lines)
     assert tables == 2 if columns == 400 else tables > 2  # there are two starts
     assert all(sum(f"weight {r} on effort" in line for line in lines) == 2 for r in range(1, 9))
+
+
+def test_a_training_that_diverges_is_told_once_with_what_it_took_along(gust, tmp_path):
+    policy = ('[[policy]]\nname = "ppo"\nkind = "train"\nseeds = [1, 2]\n'
+              'agent = { kind = "ppo", steps = 4000, actor_rate = 1e38, critic_rate = 1e38 }\n')
+    (tmp_path / "study.toml").write_text(STUDY.replace("POLICIES", policy))
+
+    told = gust("run", "study.toml", code=1).stderr.splitlines()
+    said = [line for line in told if " failed: " in line or "skipped" in line]
+
+    assert [line.split(" failed: ")[0] for line in said] == ["gust: train ppo seed 1", "gust: train ppo seed 2"]
+    assert all(line.endswith("; 2 trials of it skipped") for line in said)  # undisturbed, and the sweep

@@ -63,19 +63,9 @@ Run run_all(Reproduction& reproduction, const Store& store, std::size_t threads)
   return {run_studies(studies, store, how), signals.exit_code()};
 }
 
-std::vector<std::string> all_complaints(const std::vector<RunOutcome>& outcomes) {
-  std::vector<std::string> lines;
-  for (const RunOutcome& outcome : outcomes) {
-    for (const std::string& line : complaints(outcome)) {  // readings share trials
-      if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
-    }
-  }
-  return lines;
-}
-
 PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
                      std::size_t threads) {
-  PaperResults results{std::move(reproduction), {}, {}, all_complaints(outcomes), provenance(), still_to_run(outcomes)};
+  PaperResults results{std::move(reproduction), {}, {}, complaints(outcomes), provenance(), still_to_run(outcomes)};
   std::vector<Plan> plans;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     plans.push_back(outcomes[i].plan);

@@ -39,7 +39,7 @@ int run(const Options& options) {
   RunOptions how{threads, signals.token(), {}};
   how.watch = [](Progress& progress, const std::function<void()>& work) { show_progress(progress, work); };
   const RunOutcome outcome = run_study(study, store, how);
-  const std::vector<std::string> warnings = complaints(outcome);
+  const std::vector<std::string> warnings = complaints(std::span(&outcome, 1));
   for (const std::string& line : warnings) tell(line);
   if (outcome.stopped) {
     tell("stopped; the same command goes on from here");
