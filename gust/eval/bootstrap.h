@@ -13,10 +13,10 @@
 
 namespace gust {
 
-/// The share of resamples to leave out at each end so that the interval covers a mean of few normal units as often as
-/// it says: instead of (1 - confidence) / 2, which makes percentile intervals too narrow by sqrt((n - 1) / n) and by
-/// Student's t against the normal distribution (Hesterberg, What Teachers Should Know About the Bootstrap, 2015). At
-/// least two units.
+/// The share of resamples to leave out at each end where units are few: instead of (1 - confidence) / 2, which makes
+/// percentile intervals of a mean too narrow by sqrt((n - 1) / n) and by Student's t against the normal distribution
+/// (Hesterberg, What Teachers Should Know About the Bootstrap, 2015). Of normal samples what is called 95 % then covers
+/// 92 % with five units and 94 % with ten, instead of 84 % and 90 %. At least two units.
 double widened_tail(std::size_t units, double confidence = 0.95);
 
 /// The percentile bootstrap: which units are drawn in each resample, and the interval that follows.

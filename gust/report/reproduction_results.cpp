@@ -30,7 +30,7 @@ void fill_ours(const Study& study, const Summary& summary, const std::string& me
   if (series == nullptr) return;
   const std::size_t index = study.metric_set.index(metric, {});
   cell.ours = shown(series->at(index, 0));
-  if (const auto at = series->trainings.find(index); at != series->trainings.end()) cell.trainings = at->second;
+  if (index == study.metrics.front()) cell.trainings = series->trainings;
 }
 
 }  // namespace

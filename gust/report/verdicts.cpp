@@ -244,7 +244,7 @@ std::vector<Parting> partings(const ReproductionPage& page) {
        [&](const Claim& claim) { return share(claim) > 0.9; }},
       {"Hardly a single training of ours shows it, and it holds under no reading of ours.",
        [&](const Claim& claim) { return share(claim) < 0.1; }},
-      {"It compares intervals, of which a single training has none, and it holds under no reading of ours.",
+      {"One training alone cannot show it, and it holds under no reading of ours.",
        [&](const Claim& claim) {
          return !std::isfinite(share(claim)) && claim.verdicts.front().seeds >= kSeedsForVerdict;
        }},

@@ -174,6 +174,7 @@ class Judge {
 
 bool PaperVerdict::stands_widened() const {
   if (!decided() || seeds == 0) return decided();
+  if (seeds < kSeedsForVerdict) return false;
   const double against = verdict.ruling == Ruling::holds ? 1.0 - share : share;
   return against <= widened_tail(seeds);
 }

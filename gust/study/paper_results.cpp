@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 2;
+constexpr int kSchema = 3;
 constexpr const char* kDescription = "reproduction.json";
 constexpr const char* kClaims = "claims.csv";
 

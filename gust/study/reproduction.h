@@ -50,7 +50,7 @@ struct PaperVerdict {
   double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples of the seeds in which it is true
 
   bool decided() const { return verdict.ruling == Ruling::holds || verdict.ruling == Ruling::fails; }
-  /// Whether a verdict stays decided where the interval is widened until it covers what it says (widened_tail).
+  /// Whether a verdict stays decided where the interval is widened for its few seeds (widened_tail).
   bool stands_widened() const;
 };
 

@@ -37,9 +37,7 @@ class SeriesLines {
       for (const std::size_t metric : series_.metrics)
         lines += line(levels_of(cell), study_.metric_set.name(metric), series_.at(metric, cell));
     }
-    for (const auto& [metric, values] : series_.trainings) {
-      for (const double value : values) lines += training_line(study_.metric_set.name(metric), value);
-    }
+    for (const double value : series_.trainings) lines += training_line(value);
     if (series_.has_margin) {
       const Interval& level = series_.margin.level;
       const std::string_view what = series_.margin.censored ? kMarginAtLeast : kMargin;
@@ -68,7 +66,8 @@ class SeriesLines {
     return any_line(levels, metric, estimate, series_.units, unit_name(series_.unit));
   }
 
-  std::string training_line(const std::string& metric, double value) const {
+  std::string training_line(double value) const {
+    const std::string metric = study_.metric_set.name(study_.metrics.front());
     return any_line(levels_of(0), metric, {value, kUnknown, kUnknown}, 1, kOneTraining);
   }
 
@@ -180,7 +179,9 @@ class CellReader {
     if (at == series.metrics.end())
       throw Error(cat(table_.place(line), ": the study does not lead with '", metric, "'"));
     if (table_.text(line, "over") == kOneTraining) {
-      series.trainings[index].push_back(estimate.value);
+      if (series.sweep == Trial::kNominal || series.cells != 1 || index != study_.metrics.front())
+        throw Error(cat(table_.place(line), ": a training alone where the study keeps none"));
+      series.trainings.push_back(estimate.value);
       return;
     }
     const auto row = static_cast<std::size_t>(at - series.metrics.begin());

@@ -59,13 +59,21 @@ TEST_CASE("a sweep of one cell keeps what each training alone shows") {
   const Series& ppo = *found.summary.find(2, 3, 1);
   const std::size_t metric = found.study.metrics.front();
 
-  REQUIRE(ppo.trainings.contains(metric));
-  const std::vector<double>& values = ppo.trainings.at(metric);
+  const std::vector<double>& values = ppo.trainings;
   REQUIRE(values.size() == 2);
   CHECK(values[0] != values[1]);
   CHECK(0.5 * (values[0] + values[1]) == doctest::Approx(ppo.at(metric, 0).value).epsilon(1e-14));
   CHECK(found.summary.find(2, 0, 1)->trainings.empty());  // several cells
   CHECK(found.summary.find(0, 3, 1)->trainings.empty());  // trained nothing
+
+  std::string cells = cells_csv(found.study, found.summary);
+  const std::size_t at = cells.find("\nlqr,push,") + 1;  // a sweep of several cells
+  const std::size_t comma = cells.rfind(',', cells.find('\n', at));
+  cells.replace(comma + 1, cells.find('\n', at) - comma - 1, "training");
+  Study study = rich_study();
+  Summary summary;
+  CHECK_THROWS_WITH_AS(read_cells(cells, "cells.csv", study, summary),
+                       doctest::Contains("a training alone where the study keeps none"), Error);
 }
 
 TEST_CASE("tables of another study are errors with their lines") {

@@ -1,7 +1,9 @@
 #include "gust/study/summary.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <charconv>
 #include <cmath>
 #include <thread>
 
@@ -43,6 +45,14 @@ struct MarginScores {
 };
 
 Rng resampling_stream(const Study& study) { return Rng(static_cast<std::uint64_t>(study.seed)).split("bootstrap"); }
+
+/// The end of an interval to nine digits: more than 2,000 resamples know of it, and the tables are a fifth smaller.
+double nine_digits(double value) {
+  std::array<char, 32> text;
+  const std::to_chars_result end = std::to_chars(text.begin(), text.end(), value, std::chars_format::general, 9);
+  std::from_chars(text.begin(), end.ptr, value);
+  return value;
+}
 
 /// What one thread needs to summarise group after group.
 class Summariser {
@@ -108,10 +118,10 @@ class Summariser {
       const Matrix<double> values = rows.values(series.start, metric, same);
       const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
-      series.values[i * series.cells + cell] = {result.estimate, result.low, result.high};
+      series.values[i * series.cells + cell] = {result.estimate, nine_digits(result.low), nine_digits(result.high)};
       const bool alone = series.cells == 1 && series.sweep != Trial::kNominal;
       if (alone && metric == study_.metrics.front() && result.unit == Unit::seeds)
-        series.trainings[metric] = unit_values(values.view());
+        series.trainings = unit_values(values.view());
       if (metric == margin_metric_) {
         for (std::size_t m = 0; m < values.rows(); ++m) {
           series.not_finite += static_cast<std::size_t>(

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <map>
-
 #include "gust/eval/claim.h"
 #include "gust/eval/margin.h"
 #include "gust/study/run.h"
@@ -24,7 +22,7 @@ struct Series {
   std::vector<std::size_t> metrics = {};  ///< which ones: summarised_metrics()
   std::vector<Estimate> values = {};      ///< [metric][cell]
   /// Of a sweep of one cell, for the first metric that the page leads with: what each training alone would have shown.
-  std::map<std::size_t, std::vector<double>> trainings = {};
+  std::vector<double> trainings = {};
   Unit unit = Unit::none;  ///< what the intervals were resampled over
   std::size_t units = 0;
   Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
