@@ -51,7 +51,7 @@ struct ReproductionPage {
     std::string place;  ///< "Figure 4"
     std::string title;
     std::string says;                 ///< what the paper says about it, in our words
-    std::string trained;              ///< a sentence: how many seeds of each policy, and for how long
+    std::string trained;              ///< sentences: how many seeds of each policy and for how long, what else to know
     std::vector<std::string> claims;  ///< ids; each claim belongs to one figure
     std::vector<TableCell> table;     ///< row by row
     std::string table_metric;         ///< what its numbers are

@@ -120,6 +120,7 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
   drawn.title = figure.title;
   drawn.says = figure.says;
   drawn.trained = trained_text(study);
+  if (!figure.note.empty()) drawn.trained += cat(drawn.trained.empty() ? "" : " ", figure.note);
   drawn.shows = figure.shows;
   drawn.table = table_of(paper, figure, study, summary);
   drawn.table_metric = figure.metric;

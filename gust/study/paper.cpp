@@ -91,12 +91,13 @@ PaperReading parse_reading(const Table& table) {
 }
 
 PaperFigure parse_figure(const Table& table) {
-  check_keys(table, {"study", "place", "title", "says", "shows", "heat", "table", "metric"}, "a figure");
+  check_keys(table, {"study", "place", "title", "says", "note", "shows", "heat", "table", "metric"}, "a figure");
   PaperFigure figure;
   figure.study = required_text(table, "study", "a figure");
   figure.place = required_text(table, "place", "a figure");
   figure.title = required_text(table, "title", "a figure");
   figure.says = required_text(table, "says", "a figure");
+  figure.note = text_of(table, "note");
   figure.shows = texts_of(table, "shows");
   figure.table = text_of(table, "table");
   figure.metric = text_of(table, "metric");

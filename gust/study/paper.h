@@ -44,6 +44,7 @@ struct PaperFigure {
   std::string place;  ///< in the paper: "Figure 4"
   std::string title;
   std::string says;                ///< what the paper says about it
+  std::string note;                ///< what to know of ours before one reads it; may be empty
   std::vector<std::string> shows;  ///< parts of the page: "curves", "grids", …
   std::vector<PaperMap> maps;
   std::string table;   ///< in tables.csv; empty if it is no table
