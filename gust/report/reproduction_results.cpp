@@ -91,7 +91,7 @@ std::string steps_text(std::int64_t steps) {
 
 /// "sac: 5 seeds of 200 000 steps; ppo, rarl, rap: 10 seeds of 1 000 000 steps", of what the study trains.
 std::string trained_text(const Study& study) {
-  constexpr std::size_t kMostNames = 8;
+  constexpr std::size_t kMostNames = 7;
   std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // by seeds and steps
   for (const StudyPolicy& policy : study.policies) {
     if (policy.kind != StudyPolicy::Kind::kTrain) continue;
@@ -108,6 +108,36 @@ std::string trained_text(const Study& study) {
   return parts.empty() ? "" : cat("Trained: ", join(parts, "; "), ".");
 }
 
+/// What the last third of its trainings adds to a policy's return over the horizon, against the third before.
+double late_gain(const Summary& summary, std::size_t policy) {
+  double sums[2] = {}, counts[2] = {};
+  for (const SeedCurve& curve : summary.curves) {
+    if (curve.policy != policy || curve.points.empty()) continue;
+    const std::int64_t whole = curve.points.back().steps;
+    for (const CurvePoint& point : curve.points) {
+      if (3 * point.steps <= whole) continue;
+      const int third = 3 * point.steps > 2 * whole ? 1 : 0;
+      sums[third] += point.anr_h;
+      counts[third] += 1;
+    }
+  }
+  return sums[1] / counts[1] - sums[0] / counts[0];
+}
+
+/// Whether the curves are flat at their ends; nothing where there are none.
+std::string flatness_text(const Study& study, const Summary& summary) {
+  if (summary.curves.empty()) return "";
+  constexpr double kFlat = 0.02;
+  std::vector<std::string> rising;
+  for (std::size_t p = 0; p < study.policies.size(); ++p) {
+    const double gain = late_gain(summary, p);
+    if (gain > kFlat) rising.push_back(fmt::format("{:.3f} to {}'s", gain, study.policies[p].name));
+  }
+  return fmt::format(" The last third of the training adds {} more than {} to {} return over the horizon.",
+                     rising.empty() ? "no" : cat(join(rising, ", "), " and no"), kFlat,
+                     rising.empty() ? "any policy's" : "any other policy's");
+}
+
 ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t index, const std::string& command) {
   const Paper& paper = *results.reproduction.paper;
   const PaperFigure& figure = paper.figures[index];
@@ -119,7 +149,7 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
   drawn.place = figure.place;
   drawn.title = figure.title;
   drawn.says = figure.says;
-  drawn.trained = trained_text(study);
+  drawn.trained = cat(trained_text(study), flatness_text(study, summary));
   if (!figure.note.empty()) drawn.trained += cat(drawn.trained.empty() ? "" : " ", figure.note);
   drawn.shows = figure.shows;
   drawn.table = table_of(paper, figure, study, summary);

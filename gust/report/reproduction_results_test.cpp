@@ -29,8 +29,8 @@ Series invented(const Study& study, std::size_t policy, std::size_t sweep, std::
     }
   }
   series.has_margin = sweep != Trial::kNominal;
-  const bool regulator = study.policies[policy].kind == StudyPolicy::Kind::kLqr;
-  const double level = regulator && study.sweeps[series.has_margin ? sweep : 0].name == "action white" ? 1.0 : 2.0;
+  const bool regulator = series.has_margin && study.policies[policy].kind == StudyPolicy::Kind::kLqr;
+  const double level = regulator && study.sweeps[sweep].name == "action white" ? 1.0 : 2.0;
   series.margin.level = {level, level, level, Unit::seeds, 5};
   return series;
 }
@@ -121,6 +121,32 @@ TEST_CASE("the page and the text of a reproduction hold its figures and claims, 
   CHECK(text.find("| **holds** | 0.5 [0.25, 0.75] | 25 % | fails: scg-default |") != std::string::npos);
   CHECK(text.find("## What failed\n\n- train ppo seed 1 failed") != std::string::npos);
   CHECK(text.ends_with("bar\n"));
+}
+
+TEST_CASE("a figure with learning curves says which are not flat at their ends") {
+  PaperResults results = invented_results_of("learning-curves");
+  for (std::size_t claim = 0; claim < 2; ++claim)
+    results.verdicts.push_back({claim, 0, {0.5, 0.25, 0.75}, {Ruling::holds, ""}, 5, 1});
+  const auto trained = [&] { return reproduction_page(results, "gust reproduce paper").figures[0].trained; };
+  CHECK(trained() == "Trained: ppo, rarl, rap: 5 seeds of 1 000 000 steps; sac: 5 seeds of 200 000 steps.");
+
+  const std::vector<StudyPolicy>& policies = results.reproduction.studies[0].study.policies;
+  for (std::size_t p = 0; p < policies.size(); ++p) {
+    if (policies[p].kind != StudyPolicy::Kind::kTrain) continue;
+    SeedCurve curve{.policy = p, .points = std::vector<CurvePoint>(7)};
+    for (std::size_t i = 1; i < 7; ++i)  // rising to the middle; rarl goes on, by 0.04 a point
+      curve.points[i] = {.steps = static_cast<std::int64_t>(i) * 10,
+                         .anr_h = policies[p].name == "rarl" ? 0.04 * static_cast<double>(i)
+                                  : i < 3                    ? 0.1
+                                                             : 0.9};
+    results.summaries[0].curves.push_back(curve);
+  }
+  CHECK(
+      trained().ends_with(" The last third of the training adds 0.080 to rarl's and no more than 0.02 to any other "
+                          "policy's return over the "
+                          "horizon."));
+  results.summaries[0].curves.resize(1);  // of ppo alone
+  CHECK(trained().ends_with("adds no more than 0.02 to any policy's return over the horizon."));
 }
 
 TEST_CASE("results are the same after a way through their folder") {

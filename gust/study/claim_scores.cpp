@@ -94,6 +94,12 @@ void check_count(std::string_view function, const std::vector<FormulaValue>& arg
 
 }  // namespace
 
+std::function<double(std::span<const double>)> ClaimScores::over_units(const Place& place) const {
+  const bool trained = place.source->study->policies[place.policy].kind == StudyPolicy::Kind::kTrain;
+  if (!trained || view_.over_seeds == Statistic::mean) return mean;
+  return [statistic = view_.over_seeds](std::span<const double> units) { return aggregate(statistic, units); };
+}
+
 /// A single unit has no resamples that would say anything: they are not numbers.
 template <class Statistic>
 Sampled ClaimScores::sampled(const Study& study, std::size_t policy, std::span<const double> units,
@@ -248,8 +254,8 @@ FormulaValue ClaimScores::curve(std::string_view function, const Arguments& argu
     for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].*column);
     const CurvePoint& point = seeds.front()[i];
     list.axis.push_back(static_cast<double>(function == "own_curve" ? point.protagonist_steps : point.steps));
-    list.items.push_back(
-        {sampled(*place.source->study, place.policy, units, function == "curve_spread" ? sample_deviation : mean)});
+    list.items.push_back({sampled(*place.source->study, place.policy, units,
+                                  function == "curve_spread" ? sample_deviation : over_units(place))});
   }
   return {std::move(list)};
 }
@@ -280,7 +286,8 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
     const bool repeats = episodes_repeat(study, place.sweep, start);
     while (rows.next())
-      cells.push_back(sampled(study, place.policy, unit_values(rows.values(start, index, repeats).view()), mean));
+      cells.push_back(
+          sampled(study, place.policy, unit_values(rows.values(start, index, repeats).view()), over_units(place)));
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
   return cells;

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 
+#include "gust/eval/aggregate.h"
 #include "gust/eval/bootstrap.h"
 #include "gust/eval/formula.h"
 #include "gust/study/member_rows.h"
@@ -18,8 +19,9 @@ struct ClaimSource {
 
 /// How claims look at scores.
 struct ClaimView {
-  std::string metric;         ///< what score() means
-  std::string start;          ///< of the evaluations
+  std::string metric;  ///< what score() means
+  std::string start;   ///< of the evaluations
+  Statistic over_seeds = Statistic::mean;
   bool one_training = false;  ///< resamples draw one seed of each trained policy, as if it had been trained once
 };
 
@@ -34,10 +36,11 @@ struct ClaimView {
 ///     own_curve(…)                      the same against the steps that the policy itself has learned from
 ///     curve_spread(…)                   the standard deviation of its seeds, against all steps
 ///
-/// Every number is the mean over training seeds (over episodes for a policy that is one alone), and its resamples draw
-/// whole seeds: the same ones for all that is asked of a policy, so that what its scores share cancels, and for
-/// policies of the same trainings (other steps or risk levels). Others are drawn independently of each other. A seed
-/// whose training ended without a policy is left out, and not counted; so it is in all policies of the same trainings.
+/// Every number is the mean (or what the view has) over training seeds (over episodes for a policy that is one alone),
+/// and its resamples draw whole seeds: the same ones for all that is asked of a policy, so that what its scores share
+/// cancels, and for policies of the same trainings (other steps or risk levels). Others are drawn independently of each
+/// other. A seed whose training ended without a policy is left out, and not counted; so it is in all policies of the
+/// same trainings.
 class ClaimScores final : public FormulaData {
  public:
   ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng);
@@ -70,6 +73,8 @@ class ClaimScores final : public FormulaData {
   const std::vector<std::size_t>& members(const Place& place) const;
   std::vector<std::size_t> find_members(const Place& place) const;
   void count_seeds(const Place& place) const;
+  /// What makes one number of a policy's units.
+  std::function<double(std::span<const double>)> over_units(const Place& place) const;
   /// The statistic of the units of a policy, and of its resamples.
   template <class Statistic>
   Sampled sampled(const Study& study, std::size_t policy, std::span<const double> units, Statistic statistic) const;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "gust/eval/aggregate.h"
@@ -171,7 +172,8 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
   CHECK(scores.fewest_seeds() == 2);
   CHECK_THROWS_WITH_AS(ask("score('broken')"), "no training of 'broken' ended with a policy", NotTestable);
 
-  const ClaimScores ones({{&study, &outcome.plan, &store}}, {"anr_h", "random", true}, Rng(1));
+  const ClaimScores ones({{&study, &outcome.plan, &store}},
+                         {.metric = "anr_h", .start = "random", .one_training = true}, Rng(1));
   const auto draws = [&](const char* formula) {
     const FormulaValue value = Formula(formula, {"test"}).evaluate(study.names, ones);
     return std::set<double>(value.as_number("a test").values.begin() + 1, value.as_number("a test").values.end());
@@ -181,6 +183,30 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
   CHECK(draws("score('p') - score('longer')").size() == 2);  // nor otherwise where the other goes on from it
   CHECK(draws("score('p') - score('other')").size() == 4);   // others are drawn by themselves
   CHECK(draws("score('lqr')").size() > 2);                   // what has no seeds has episodes
+}
+
+TEST_CASE("trainings may count by their median; episodes never do") {
+  const ScratchFolder folder("gust-claims-median");
+  std::string text = changed(kClaim, formula("score('p') > -1"));
+  text.insert(text.find("[[policy]]"), trained("p", "[1, 2, 3]", "steps = 1_200"));
+  Study study = small_study({}, text);
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+  const auto ask = [&](const char* formula, const ClaimView& view) {
+    const ClaimScores scores({{&study, &outcome.plan, &store}}, view, Rng(1));
+    return Formula(formula, {"test"}).evaluate(study.names, scores).as_number("a test").values;
+  };
+  const ClaimView means{.metric = "anr_h", .start = "random"};
+  const ClaimView medians{.metric = "anr_h", .start = "random", .over_seeds = Statistic::median};
+  const std::vector<double> ones = ask("score('p')", {.metric = "anr_h", .start = "random", .one_training = true});
+  const std::set<double> seeds(ones.begin() + 1, ones.end());
+
+  REQUIRE(seeds.size() == 3);
+  CHECK(ask("score('p')", medians).front() == *std::next(seeds.begin()));
+  CHECK(ask("score('p')", means).front() == doctest::Approx(std::accumulate(seeds.begin(), seeds.end(), 0.0) / 3));
+  for (const double drawn : ask("score('p')", medians)) CHECK(seeds.contains(drawn));  // of three the median is one
+  CHECK(ask("last(curve('p'))", medians) != ask("last(curve('p'))", means));
+  CHECK(ask("score('lqr')", medians) == ask("score('lqr')", means));
 }
 
 TEST_CASE("what is wrong with a formula is said when the study is read") {

@@ -141,6 +141,7 @@ class Judge {
     if (reading.printed) return !paper_.figure(claim.figure)->table.empty();
     const std::string& text = claim.formula->text();
     const bool asks_scores = text.find("score(") != std::string::npos;
+    if (reading.median) return asks_scores || text.find("curve(") != std::string::npos;
     if (!reading.start.empty()) return asks_scores || text.find("survival(") != std::string::npos;
     if (!reading.instead.empty()) return asks_scores && reading.instead.contains(metric_of(claim));
     return std::ranges::any_of(claim.from, [&](const std::string& study) {
@@ -160,8 +161,9 @@ class Judge {
   ClaimView view_of(const PaperClaim& claim, const PaperReading& reading) const {
     const std::string metric = metric_of(claim);
     const auto other = reading.instead.find(metric);
-    return {other == reading.instead.end() ? metric : other->second, reading.start.empty() ? "random" : reading.start,
-            false};
+    return {.metric = other == reading.instead.end() ? metric : other->second,
+            .start = reading.start.empty() ? "random" : reading.start,
+            .over_seeds = reading.median ? Statistic::median : Statistic::mean};
   }
 
   const Reproduction& reproduction_;

@@ -63,7 +63,7 @@ PaperProfile parse_profile(const Table& table) {
 
 PaperReading parse_reading(const Table& table) {
   std::vector<std::string> known = {"name", "says",  "settings", "figures", "instead",
-                                    "asks", "start", "claims",   "printed"};
+                                    "asks", "start", "median",   "claims",  "printed"};
   const std::vector<std::string> figures = texts_of(table, "figures");
   known.insert(known.end(), figures.begin(), figures.end());
   check_keys(table, known, "a reading");
@@ -76,6 +76,7 @@ PaperReading parse_reading(const Table& table) {
   reading.settings = texts_of(table, "settings");
   reading.figures = figures;
   reading.start = text_of(table, "start");
+  reading.median = flag_of(table, "median");
   reading.claims = texts_of(table, "claims");
   reading.printed = flag_of(table, "printed");
   if (const Value* instead = table.find("instead")) {

@@ -26,6 +26,7 @@ struct PaperReading {
   std::vector<std::string> figures;                     ///< whose studies it changes; all others are the main reading's
   std::map<std::string, std::string> instead;           ///< what claims ask for, and what they ask for here
   std::string start;                                    ///< where episodes begin; empty: drawn
+  bool median = false;                                  ///< of the trainings in place of their mean
   std::map<std::string, Formula> asks;                  ///< what claims, by id, ask in place of their own formula
   std::vector<std::string> claims;                      ///< those that it bears on; empty: those whose data it changes
   bool printed = false;                                 ///< the paper's own tables instead of measurements
