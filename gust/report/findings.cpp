@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "gust/core/text.h"
+#include "gust/eval/aggregate.h"
 #include "gust/report/html.h"
 #include "gust/report/printed_table.h"
 #include "gust/report/reproduction_results.h"
@@ -35,6 +39,12 @@ void for_each_curve(const PaperResults& results, Visit&& visit) {
       if (study.sweeps[series.sweep].along_levels()) visit(study, series);
     }
   }
+}
+
+/// "RARL".
+std::string capitals(std::string text) {
+  for (char& letter : text) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+  return text;
 }
 
 std::string counts_sentence(const PaperResults& results) {
@@ -88,10 +98,10 @@ std::string narrow_intervals_sentence(const PaperResults& results) {
     if (!on.front()->stands_widened()) falling.push_back(results.reproduction.paper->claims[c].id);
   }
   if (decided == 0) return "";
-  return cat("Bootstrap intervals of few seeds are too narrow. Widened for that (decision 13), they leave ",
+  return cat("Bootstrap intervals of few seeds are too narrow. Widened for that (decision 13), ",
              decided - falling.size(), " of the ", decided,
-             " verdicts that hold or fail, those of claims that compare intervals aside",
-             falling.empty() ? "." : cat("; the others become undecided: ", join(falling, ", "), "."));
+             " verdicts that hold or fail stand, those of claims that compare intervals aside",
+             falling.empty() ? "." : cat("; undecided become ", join(falling, ", "), "."));
 }
 
 /// How often one training of each policy, in place of all of them, would have shown what the paper says.
@@ -108,10 +118,12 @@ std::string one_training_sentence(const PaperResults& results) {
     shares_of_failing += on.front()->one_training;
   }
   if (asked == 0) return "";
-  const std::string failed = cat("; the ", failing, " of them that fail would have come out true in ",
-                                 percent(shares_of_failing / static_cast<double>(failing)), " of draws");
-  return cat("With one training of each policy in place of all seeds, ", either_way, " of ", asked,
-             " claims would hang on the draw (true in 10 to 90 % of them)", failing == 0 ? "" : failed, ".");
+  const std::string failed = cat(" The ", failing, " of the ", asked, " that fail would have come out true in ",
+                                 percent(shares_of_failing / static_cast<double>(failing)), " of draws on average.");
+  return cat(
+      "With one training of each policy in place of all seeds, ", either_way, " of ", asked,
+      " claims would hang on the draw (true in 10 to 90 % of draws); claims that compare intervals are left out.",
+      failing == 0 ? "" : failed);
 }
 
 /// What the paper's metric makes of episodes that fail early.
@@ -147,12 +159,35 @@ std::string saturation_sentence(const PaperResults& results) {
     const double share = cell.value("saturation");
     if (!(share > most)) return;
     most = share;
-    where = cat(cell.sweep().name, " at ", cell.sweep().axes.front().values.back(), " ",
-                cell.sweep().unit(study.setup.plant->spec()));
+    const Series* undisturbed = results.summary(0, study.name)->find(series.policy, Trial::kNominal, series.start);
+    where = cat(cell.policy().name, ", ", cell.sweep().name, " at ", cell.sweep().axes.front().values.back(), " ",
+                cell.sweep().unit(study.setup.plant->spec()), "; undisturbed ",
+                percent(undisturbed ? CurveCell{&study, undisturbed, 0}.value("saturation") : Page::kUnknown));
   });
   if (where.empty()) return "";
   return cat("Disturbed actions saturate: at the end of the grids up to ", percent(most), " of the control steps (",
              where, "), so that what is injected there reaches the plant only in part.");
+}
+
+/// How often the policies of the first figure that shows learning hold out where nothing disturbs.
+std::string undisturbed_sentence(const PaperResults& results) {
+  std::vector<std::pair<double, std::string>> parts;
+  for (std::size_t i = 0; i < results.summaries.size() && parts.empty(); ++i) {
+    const Study& study = results.reproduction.studies[i].study;
+    if (results.reproduction.studies[i].reading != 0 || results.summaries[i].curves.empty()) continue;
+    for (const Series& series : results.summaries[i].series) {
+      const StudyPolicy& policy = study.policies[series.policy];
+      if (series.sweep != Trial::kNominal || !study.starts[series.start].random) continue;
+      if (policy.kind != StudyPolicy::Kind::kTrain) continue;
+      const double share = CurveCell{&study, &series, 0}.value("survival");
+      if (std::isfinite(share)) parts.push_back({-share, cat(percent(share), " for ", policy.name)});
+    }
+  }
+  if (parts.empty()) return "";
+  std::ranges::sort(parts);
+  std::vector<std::string> names;
+  for (const auto& [share, text] : parts) names.push_back(text);
+  return cat("Where nothing disturbs, the share of episodes that last to their end is ", join(names, ", "), ".");
 }
 
 /// Whether a policy's undisturbed score is one that margins are ranked from (decision 4).
@@ -166,36 +201,47 @@ bool stands_undisturbed(const PaperResults& results, const Study& study, const S
   return !falls_short(summary.undisturbed(series.policy, series.start), best);
 }
 
-/// Where a linear regulator stands more than every agent.
+/// Where a linear regulator stands more than every agent, each disturbance once: as the first figure has it.
 std::string regulator_sentence(const PaperResults& results) {
   struct Best {
+    const Series* first = nullptr;
+    const Study* study = nullptr;
+    Site site = Site::kAction;
     double regulator = 0;
     double agents = 0;
     bool beyond_grid = true;  ///< of all of them
   };
-  std::map<std::string, Best> sweeps;
+  std::map<std::string, Best> disturbances;
   for_each_curve(results, [&](const Study& study, const Series& series) {
     const CurveCell cell{&study, &series, 0};
     if (!series.has_margin || !std::isfinite(series.margin.level.estimate) ||
         !stands_undisturbed(results, study, series))
       return;
-    Best& best = sweeps[cat(study.setup.plant.kind, "/", study.name, "/", cell.sweep().name)];
+    Best& best = disturbances[cat(study.setup.plant.kind, " ", cell.sweep().injection->canonical())];
+    if (best.first == nullptr) best = {.first = &series, .study = &study, .site = cell.sweep().injection->site};
+    if (best.study != &study || best.first->sweep != series.sweep) return;
     const double level = series.margin.level.estimate;
     best.beyond_grid = best.beyond_grid && series.margin.censored;
     if (cell.policy().kind == StudyPolicy::Kind::kLqr) best.regulator = level;
     if (cell.policy().kind == StudyPolicy::Kind::kTrain) best.agents = std::max(best.agents, level);
   });
-  std::size_t compared = 0, ahead = 0;
-  for (const auto& [name, best] : sweeps) {
-    if (best.regulator == 0 || best.agents == 0 || best.beyond_grid) continue;
-    ++compared;
-    ahead += best.regulator >= best.agents ? 1 : 0;
+  std::vector<std::string> parts;
+  for (const auto& [site, what] : {std::pair{Site::kAction, "disturbed actions"},
+                                   {Site::kDynamics, "dynamics"},
+                                   {Site::kObservation, "observations"}}) {
+    std::size_t compared = 0, ahead = 0;
+    for (const auto& [name, best] : disturbances) {
+      if (best.site != site || best.regulator == 0 || best.agents == 0 || best.beyond_grid) continue;
+      ++compared;
+      ahead += best.regulator >= best.agents ? 1 : 0;
+    }
+    if (compared > 0) parts.push_back(cat(ahead, " of ", compared, parts.empty() ? " sweeps of " : " of ", what));
   }
-  if (compared == 0) return "";
+  if (parts.empty()) return "";
   return cat(
       "The linear regulator, which learned nothing, keeps 90 % of its score up to at least the level of the best "
       "agent in ",
-      ahead, " of ", compared, " sweeps of a disturbance.");
+      join(parts, ", "), ".");
 }
 
 /// Agents whose own policy learned from a part of the steps only.
@@ -207,7 +253,7 @@ std::string budget_sentence(const PaperResults& results) {
     for (const SeedCurve& curve : results.summaries[i].curves) {
       const CurvePoint& last = curve.points.back();
       if (last.steps > 0 && last.protagonist_steps < last.steps)
-        shares[study.policies[curve.policy].agent.kind] =
+        shares[capitals(study.policies[curve.policy].agent.kind)] =
             static_cast<double>(last.protagonist_steps) / static_cast<double>(last.steps);
     }
   }
@@ -217,37 +263,51 @@ std::string budget_sentence(const PaperResults& results) {
   return cat("At equal numbers of steps ", join(parts, ", "), " of them; the rest trains its adversary.");
 }
 
+/// All that makes the policy of a map, but the number of its seeds: maps of several figures may share it.
+std::string training_of(const Study& study, const std::string& name) {
+  const StudyPolicy& policy = *std::ranges::find(study.policies, name, &StudyPolicy::name);
+  std::string text = policy.agent.canonical;
+  for (const Injection& injection : policy.disturbed) text += cat("; ", injection.canonical(), " ", injection.level);
+  return text;
+}
+
 /// Whether it helps to train with the noise of the test: against a policy that was trained without any.
 std::string training_noise_sentence(const PaperResults& results) {
-  std::size_t asked = 0, better = 0;
+  std::size_t better = 0, apart = 0;
+  std::set<std::string> asked;
   for (const PaperFigure& figure : results.reproduction.paper->figures) {
     const Summary* summary = results.summary(0, figure.study);
     if (summary == nullptr) continue;
     const Study& study = results.reproduction.studies[*results.reproduction.find(0, figure.study)].study;
     const auto random = std::ranges::find(study.starts, true, &StartProtocol::random);
     for (const PaperMap& map : figure.maps) {
-      const std::vector<double> values = map_values(map, study, *summary, margin_metric(study),
+      const std::vector<Estimate> cells = map_cells(map, study, *summary, margin_metric(study),
                                                     static_cast<std::size_t>(random - study.starts.begin()));
-      const auto size = static_cast<std::size_t>(std::sqrt(static_cast<double>(values.size())));
-      for (std::size_t level = 1; level < size; ++level) {  // the first one is none
-        const double without = values[level], with = values[level * size + level];
-        if (std::isnan(without) || std::isnan(with)) continue;
-        ++asked;
-        better += with > without ? 1 : 0;
+      if (cells.empty()) continue;
+      const Sweep& sweep = *std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
+      const std::vector<double>& levels = sweep.axes.front().values;
+      for (std::size_t level = 1; level < levels.size(); ++level) {  // the first one is none
+        const Estimate without = cells[level], with = cells[level * levels.size() + level];
+        if (std::isnan(without.value) || std::isnan(with.value)) continue;
+        if (!asked.insert(cat(training_of(study, map_policy(map, levels[level])), sweep.injection->canonical())).second)
+          continue;
+        better += with.value > without.value ? 1 : 0;
+        apart += with.low > without.high ? 1 : 0;
       }
     }
   }
-  if (asked == 0) return "";
+  if (asked.empty()) return "";
   return cat(
       "Where the heat maps test with noise, the policy that was trained with the same noise is better than the one "
       "that was trained without at ",
-      better, " of ", asked, " levels.");
+      better, " of ", asked.size(), " levels, beyond both intervals at ", apart, ".");
 }
 
 /// What the paper prints in its tables beside what we measured.
 std::string tables_sentence(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   std::size_t printed = 0, measured = 0, within = 0, among = 0;
+  std::vector<double> ratios;
   for (const PaperFigure& figure : paper.figures) {
     const std::optional<std::size_t> at = results.reproduction.find(0, figure.study);
     if (!at || figure.table.empty()) continue;
@@ -257,13 +317,17 @@ std::string tables_sentence(const PaperResults& results) {
       ++measured;
       within += cell.ours.low <= cell.printed.value && cell.printed.value <= cell.ours.high ? 1 : 0;
       among += among_trainings(cell) ? 1 : 0;
+      const Page::Estimate range = training_range(cell);
+      ratios.push_back(range.high / range.low);
     }
   }
   if (measured == 0) return "";
-  return cat("Of the ", counted(measured, "number", "numbers"), " in the paper's tables",
-             measured < printed ? " that were measured, " : ", ", counted(within, "lies", "lie"),
-             " in the interval of our mean, and ", among,
-             " between the least and the greatest of our single trainings.");
+  return cat(
+      "Of the ", counted(measured, "number", "numbers"), " in the paper's tables",
+      measured < printed ? " that were measured, " : ", ", counted(within, "lies", "lie"),
+      " in the interval of our mean, and ", among,
+      fmt::format(" between the least and the greatest of our single trainings, a factor of {:.2g} apart (median).",
+                  aggregate(Statistic::median, ratios)));
 }
 
 }  // namespace
@@ -271,10 +335,10 @@ std::string tables_sentence(const PaperResults& results) {
 std::vector<std::string> findings(const PaperResults& results) {
   std::vector<std::string> sentences;
   for (std::string sentence :
-       {counts_sentence(results), hardness_sentence(results), tables_sentence(results), reading_sentence(results),
-        one_training_sentence(results), narrow_intervals_sentence(results), training_noise_sentence(results),
-        early_failure_sentence(results), saturation_sentence(results), regulator_sentence(results),
-        budget_sentence(results)}) {
+       {counts_sentence(results), hardness_sentence(results), tables_sentence(results), undisturbed_sentence(results),
+        reading_sentence(results), one_training_sentence(results), narrow_intervals_sentence(results),
+        training_noise_sentence(results), early_failure_sentence(results), saturation_sentence(results),
+        regulator_sentence(results), budget_sentence(results)}) {
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   }
   return sentences;

@@ -202,6 +202,7 @@ std::string hero(const ReproductionPage& page) {
   return cat(label, "<header class=\"hero\">\n<p class=\"over\">A paper’s reproduction</p>\n<h1>", escaped(page.title),
              "</h1>\n<p class=\"source\">", escaped(page.source), "</p>\n",
              opening.empty() ? "" : cat("<p class=\"question\">", escaped(join(opening, " ")), "</p>\n"),
+             page.note.empty() ? "" : cat("<p class=\"note\">", escaped(page.note), "</p>\n"),
              "<p class=\"facts-line\">", facts, "</p>\n</header>\n", warnings_html(page.warnings));
 }
 

@@ -61,6 +61,7 @@ struct ReproductionPage {
 
   std::string title;
   std::string source;                 ///< the paper, as one cites it
+  std::string note;                   ///< what to know before one reads the findings; may be empty
   std::string label;                  ///< says at once if this is a miniature; empty for the full run
   std::vector<std::string> findings;  ///< sentences: the first ones are the opening paragraph
   std::vector<std::string> warnings;  ///< what is missing or failed

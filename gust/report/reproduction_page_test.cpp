@@ -57,22 +57,24 @@ ReproductionPage small_page() {
 TEST_CASE("a claim that does not hold has the first reason that the data give") {
   using enum Ruling;
   ReproductionPage page;
-  for (const char* id : {"fine", "few", "reading", "seeds", "printed", "most", "hardly", "intervals", "none"})
+  for (const char* id : {"fine", "few", "reading", "seeds", "printed", "most", "some", "hardly", "intervals", "none"})
     page.claims.push_back(claim(id, {std::string(id) == "fine" ? holds : fails, fails}));
   page.claims[1].verdicts[0] = {0, undecided, {}, 2, ""};
   page.claims[2].verdicts[1].ruling = holds;
   page.claims[2].verdicts[0].one_training = 0.5;
   page.claims[3].verdicts[0].one_training = 0.1;
+  page.claims[3].verdicts[0].ruling = undecided;
   page.claims[4].verdicts[1].printed = true;
   page.claims[5].verdicts[0].one_training = 0.95;
   page.claims[5].verdicts[0].ruling = undecided;
-  page.claims[6].verdicts[0].one_training = 0.02;
-  page.claims[7].verdicts[0].seeds = 10;
-  page.claims[8].verdicts[0].seeds = 0;
+  page.claims[6].verdicts[0].one_training = 0.1;
+  page.claims[7].verdicts[0].one_training = 0.02;
+  page.claims[8].verdicts[0].seeds = 10;
+  page.claims[9].verdicts[0].seeds = 0;
 
   const std::vector<Parting> found = partings(page);
 
-  REQUIRE(found.size() == 8);
+  REQUIRE(found.size() == 9);
   for (std::size_t i = 0; i < found.size(); ++i) {
     REQUIRE(found[i].claims.size() == 1);
     CHECK(found[i].claims[0] == &page.claims[i + 1]);
@@ -189,7 +191,7 @@ TEST_CASE("a miniature says so at the top and at each figure") {
 TEST_CASE("hostile texts of a reproduction stay texts wherever they are shown") {
   const std::string bad = "</script><script>alert(1)</script><img src=x onerror=alert(1)>{{data}}\"'";
   ReproductionPage page = small_page();
-  page.title = page.source = page.label = page.run_command = bad;
+  page.title = page.source = page.note = page.label = page.run_command = bad;
   page.findings = page.warnings = {bad};
   page.provenance = {{bad, bad}};
   for (auto& reading : page.readings) reading = {bad, bad};
@@ -197,7 +199,7 @@ TEST_CASE("hostile texts of a reproduction stay texts wherever they are shown") 
   hostile.id = hostile.place = hostile.text = hostile.formula = hostile.verdicts[0].reason =
       hostile.verdicts[1].reason = bad;
   auto& figure = page.figures[0];
-  figure.claims[1] = figure.id = figure.place = figure.title = figure.says = figure.table_metric = bad;
+  figure.claims[1] = figure.id = figure.place = figure.title = figure.says = figure.trained = figure.table_metric = bad;
   figure.table = {{bad, bad, {1, 1, 1}, {2, 2, 2}}};
   figure.page.policies[1].name = figure.page.name = bad;
 

@@ -74,7 +74,9 @@ void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summ
     }
     for (std::size_t start = 0; start < study.starts.size(); ++start) {
       for (std::size_t metric = 0; metric < page.metrics.size(); ++metric) {
-        std::vector<double> values = map_values(map, study, summary, summarised_metrics(study)[metric], start);
+        std::vector<double> values;
+        for (const Estimate& cell : map_cells(map, study, summary, summarised_metrics(study)[metric], start))
+          values.push_back(cell.value);
         if (!values.empty()) grid->layers.push_back({page.policies.size(), start, metric, std::move(values)});
       }
     }
@@ -171,23 +173,26 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
 
 }  // namespace
 
-std::vector<double> map_values(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
-                               std::size_t start) {
+std::string map_policy(const PaperMap& map, double level) {
+  std::string name = map.policies;
+  return name.replace(name.find(kLevel), kLevel.size(), cat(level));
+}
+
+std::vector<Estimate> map_cells(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
+                                std::size_t start) {
   const auto sweep = std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
   if (sweep == study.sweeps.end()) return {};
   const std::vector<double>& levels = sweep->axes.front().values;
-  std::vector<double> values;
+  std::vector<Estimate> cells;
   for (const double level : levels) {
-    std::string name = map.policies;
-    name.replace(name.find(kLevel), kLevel.size(), cat(level));
-    const auto policy = std::ranges::find(study.policies, name, &StudyPolicy::name);
+    const auto policy = std::ranges::find(study.policies, map_policy(map, level), &StudyPolicy::name);
     if (policy == study.policies.end()) return {};
     const Series* series = summary.find(static_cast<std::size_t>(policy - study.policies.begin()),
                                         static_cast<std::size_t>(sweep - study.sweeps.begin()), start);
     for (std::size_t cell = 0; cell < levels.size(); ++cell)
-      values.push_back(series ? series->at(metric, cell).value : Page::kUnknown);
+      cells.push_back(series ? series->at(metric, cell) : Estimate{Page::kUnknown, Page::kUnknown, Page::kUnknown});
   }
-  return values;
+  return cells;
 }
 
 std::vector<std::size_t> verdict_counts(const PaperResults& results) {
@@ -204,6 +209,7 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
   ReproductionPage page;
   page.title = paper.title;
   page.source = paper.source;
+  page.note = paper.note;
   page.label = results.label();
   page.findings = findings(results);
   page.warnings = results.failures;

@@ -15,10 +15,13 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
 std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const PaperFigure& figure, const Study& study,
                                                   const Summary& summary);
 
+/// The policy of a map that was trained at a level.
+std::string map_policy(const PaperMap& map, double level);
+
 /// The scores of one map from one start: rows are the levels of the trainings, columns those of the test. Empty where
 /// the study lacks a policy or the sweep.
-std::vector<double> map_values(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
-                               std::size_t start);
+std::vector<Estimate> map_cells(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
+                                std::size_t start);
 
 /// What stands at the top of page and text: how many claims hold, and what the paper could not see. Sentences, each
 /// made from the numbers.

@@ -99,16 +99,17 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   const ReproductionPage page = reproduction_page(results, command);
   std::string text = cat("# ", page.title, "\n\n", page.source, ".\n\n");
   if (!page.label.empty()) text += cat("**", page.label, "**\n\n");
-  text +=
-      cat("Made by `", command,
-          "`; nothing here was typed by hand. Verdicts are at 95 % over training seeds (percentile bootstrap): a claim "
-          "holds if it is true throughout the interval, fails if nowhere, else it is undecided, as it is from fewer "
-          "than ",
-          kSeedsForVerdict, " seeds. Seeds whose training diverged are left out, and named at the end. ",
-          kMeasuredMeaning, "\n\n");
+  text += cat(
+      "Made by `", command,
+      "`; no number here was typed by hand. Verdicts are at 95 % over training seeds (percentile bootstrap): a claim "
+      "holds if it is true throughout the interval, fails if nowhere, else it is undecided, as it is from fewer "
+      "than ",
+      kSeedsForVerdict, " seeds. Seeds whose training diverged are left out, and named at the end. ", kMeasuredMeaning,
+      "\n\n");
+  if (!page.note.empty()) text += cat(page.note, "\n\n");
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
   const std::vector<Parting> parting = partings(page);
-  if (!parting.empty()) text += "\n## What does not reproduce, by the first reason that the data give\n\n";
+  if (!parting.empty()) text += "\n## What fails or stays undecided, by the first reason that the data give\n\n";
   for (const auto& [why, claims] : parting) {
     std::vector<std::string> ids;
     for (const auto* claim : claims) ids.push_back(claim->id);

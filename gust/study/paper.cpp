@@ -140,10 +140,11 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
 
 void parse_manifest(std::string_view text, Paper& paper) {
   const Table table = parse_toml(text, "paper.toml");
-  check_keys(table, {"schema", "name", "title", "source", "profile", "reading", "figure"}, "a paper");
+  check_keys(table, {"schema", "name", "title", "source", "note", "profile", "reading", "figure"}, "a paper");
   paper.name = required_text(table, "name", "a paper");
   paper.title = required_text(table, "title", "a paper");
   paper.source = required_text(table, "source", "a paper");
+  paper.note = text_of(table, "note");
   for_each_table(table, "profile", [&](const Table& item) { paper.profiles.push_back(parse_profile(item)); });
   for_each_table(table, "figure", [&](const Table& item) { paper.figures.push_back(parse_figure(item)); });
   for_each_table(table, "reading", [&](const Table& item) {

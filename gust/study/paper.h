@@ -75,6 +75,7 @@ struct PrintedValue {
 /// All that makes the reproduction of a paper: studies/paper, compiled into the program.
 struct Paper {
   std::string name, title, source;
+  std::string note;  ///< what to know before one reads the findings; may be empty
   std::vector<PaperProfile> profiles;
   std::vector<PaperReading> readings;  ///< the first is the main one
   std::vector<PaperFigure> figures;    ///< in the paper's order
