@@ -136,7 +136,9 @@ int run_command_line(int argc, const char* const* argv) {
   app.set_help_all_flag("--help-all", "help of all commands");
   app.footer(
       "Example:\n  gust eval lqr --plant cartpole --site action --waveform step --level 5\n"
-      "gust help COMMAND says more; gust list shows what there is.");
+      "gust help COMMAND says more; gust list shows what there is.\n"
+      "Exit codes: 0 done, 1 a trial failed or is missing, 2 wrong input, 3 a claim or check failed, 75 and 130 "
+      "stopped.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {

@@ -151,8 +151,12 @@ Finding judge(const Formula& formula, const FormulaNames& names, const FormulaDa
   const double share = share_true(judged.truth.margin);
   const std::string found = interval_text(measured);
   if (std::isnan(margin.estimate)) return {measured, {Ruling::not_testable, "the estimate is not a number"}, share};
-  if (std::isnan(margin.low) || std::isnan(margin.high))
-    return {measured, {Ruling::not_testable, cat(found, "; a resample is not a number")}, share};
+  if (std::isnan(margin.low) || std::isnan(margin.high)) {
+    const std::span<const double> resamples = std::span(judged.truth.margin.values).subspan(1);
+    const bool alone = std::ranges::all_of(resamples, [](double value) { return std::isnan(value); });
+    const char* why = alone ? "more than one seed or episode would give an interval" : "a resample is not a number";
+    return {measured, {Ruling::not_testable, cat(found, "; ", why)}, share};
+  }
   if (margin.low >= 0) return {measured, {Ruling::holds, found}, share};
   if (margin.high < 0) return {measured, {Ruling::fails, found}, share};
   return {measured, {Ruling::undecided, cat(found, "; true in some resamples of the seeds, false in others")}, share};

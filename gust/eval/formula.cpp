@@ -14,6 +14,8 @@ namespace {
 
 using Node = Formula::Node;
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kMostItems = 10'000;  // that the `for`s of a formula make; a claim that a person wrote has dozens
 constexpr double kLeast = std::numeric_limits<double>::denorm_min();
 
 /// By how much a > b, or a >= b, holds; equal infinities are equal.
@@ -42,7 +44,7 @@ Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
     case '*':
       return combine(left, right, std::multiplies<>());
     default:
-      return combine(left, right, std::divides<>());
+      return combine(left, right, [](double a, double b) { return b == 0.0 ? kUnknown : a / b; });
   }
 }
 
@@ -189,6 +191,7 @@ class Evaluator {
       return;
     }
     if (node.parts.size() == 3 && margin(node.parts[2], node).estimate() < 0) return;
+    if (++items_ > kMostItems) throw error(node, "makes too many items; at most ", kMostItems, " in a formula");
     result.items.push_back(value(inner));
     const auto* number = std::get_if<Sampled>(&item.data);
     if (number == nullptr || !number->is_constant()) return;
@@ -201,6 +204,7 @@ class Evaluator {
   const Place& place_;
   FormulaNames names_;
   const FormulaData& data_;
+  std::size_t items_ = 0;  ///< that `for` made so far
 };
 
 Error wrong_type(std::string_view what, std::string_view expected, const FormulaValue& value) {

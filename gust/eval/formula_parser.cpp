@@ -10,7 +10,8 @@ namespace {
 
 using Node = Formula::Node;
 
-constexpr std::size_t kDeepest = 64;  // nesting; a claim that a person wrote has less than ten
+constexpr std::size_t kDeepest = 64;     // nesting; a claim that a person wrote has less than ten
+constexpr std::size_t kLongest = 1'000;  // operators side by side
 
 struct Token {
   enum class Kind { number, text, word, sign, end };
@@ -77,7 +78,9 @@ class Lexer {
       token.text = sign;
       return token;
     }
-    throw formula_error(place_, text_, token.column, "'", text_.substr(at_, 1), "' means nothing here");
+    std::size_t length = 1;  // in bytes, of the character
+    while (at_ + length < text_.size() && (text_[at_ + length] & 0xC0) == 0x80) ++length;
+    throw formula_error(place_, text_, token.column, "'", text_.substr(at_, length), "' means nothing here");
   }
 
   std::string_view text_;
@@ -118,11 +121,12 @@ class Parser {
   template <class Part>
   Node chain(Node::Kind kind, std::initializer_list<std::string_view> operators, Part part) {
     Node node = part();
-    while (true) {
+    for (std::size_t length = 1;; ++length) {
       const Token token = token_;
       bool found = false;
       for (const std::string_view sign : operators) found = found || take(sign);
       if (!found) return node;
+      if (length > kLongest) throw error("too long; at most ", kLongest, " operators side by side");
       std::vector<Node> parts;
       parts.push_back(std::move(node));
       parts.push_back(part());

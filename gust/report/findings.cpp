@@ -51,6 +51,7 @@ std::string counts_sentence(const PaperResults& results) {
   const std::vector<std::size_t> counts = verdict_counts(results);
   std::size_t asked = 0;
   for (const std::size_t count : counts) asked += count;
+  if (asked == 0) return "";
   return cat("Of ", counted(asked, "claim", "claims"), " ", counted(counts[0], "holds", "hold"), ", ",
              counted(counts[1], "fails", "fail"), ", ", counted(counts[2], "is", "are"), " undecided and ", counts[3],
              " cannot be tested, under the reading that decides each.");
@@ -81,6 +82,7 @@ std::string reading_sentence(const PaperResults& results) {
     }
     if (holds && fails) changing.push_back(paper.claims[c].id);
   }
+  if (results.verdicts.empty()) return "";
   if (changing.empty()) return "No claim holds under one reading of the paper and fails under another.";
   return cat(changing.size(), changing.size() == 1 ? " claim holds" : " claims hold",
              " under one reading of the paper and ", changing.size() == 1 ? "fails" : "fail",

@@ -235,7 +235,7 @@ FormulaValue ClaimScores::values(const Arguments& arguments) const {
   const Sweep& sweep = sweep_of(arguments[0]);
   const double which = arguments.size() == 2 ? arguments[1].as_number("'values'").estimate() : 1.0;
   if (!(which >= 1.0) || which > static_cast<double>(sweep.axes.size()))
-    throw Error(cat("the sweep has ", sweep.axes.size(), " axes, not ", which));
+    throw Error(cat("the sweep has ", sweep.axes.size(), sweep.axes.size() == 1 ? " axis" : " axes", ", not ", which));
   const std::vector<double> levels = levels_of(sweep, static_cast<std::size_t>(which) - 1);
   std::vector<Sampled> constants;
   for (const double level : levels) constants.push_back(Sampled::constant(level));

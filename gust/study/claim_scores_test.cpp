@@ -218,6 +218,11 @@ TEST_CASE("what is wrong with a formula is said when the study is read") {
   CHECK(problem_of("[[policy]]\nname = \"p\"\nkind = \"train\"\nagent = { kind = \"ppo\" }\n" +
                    formula("last(curve('p', 'anr_g')) > 0"))
             .find("a learning curve has no 'anr_g'; did you mean 'anr_h'?") != std::string::npos);
+  CHECK(problem_of(formula("survival >= 0.8"))
+            .find("whose survival? It needs where = { policy = … }, or "
+                  "survival('POLICY')") != std::string::npos);
+  CHECK(problem_of("[[claim]]\nid = \"f\"\nholds = \"\"\"\n  score('lqr')\n    > 'a'\n\"\"\"\n")
+            .find("claim 'score('lqr') > 'a'', column 14: ") != std::string::npos);
   CHECK(problem_of(formula("survivl('lqr') > 0")).find("did you mean 'survival'?") != std::string::npos);
   CHECK(problem_of(formula("score('lqr', 'push', 5) > 0")).find("at(score(…), level)") != std::string::npos);
   CHECK(problem_of(formula("score('lqr') > 0") + "start = \"somewhere\"\n").find("unknown start") != std::string::npos);

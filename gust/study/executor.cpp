@@ -70,7 +70,7 @@ class Queue {
     outcomes_[job] = std::move(outcome);
     is_settled_[job] = true;
     ++settled_;
-    progress_.finish(job);
+    if (outcomes_[job].state != Outcome::State::stopped) progress_.finish(job);
     if (finished_) finished_(job, outcomes_[job]);
     for (const std::size_t waiting : needed_by_[job]) {
       if (outcomes_[job].state != Outcome::State::done) {

@@ -92,6 +92,8 @@ void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
   if (fs::exists(path_) && !fs::is_directory(path_))
     throw Error(cat(path_.string(), ": is not a folder; choose another --out"));
   if (!is_ours(path_)) throw Error(cat(path_.string(), ": is not empty and no result of gust; choose another --out"));
+  if (fs::exists(path_ / "reproduction.json"))
+    throw Error(cat(path_.string(), ": holds what 'gust reproduce' found; choose another --out"));
   Json patterns = Json::array();
   for (const std::vector<StudyPolicy::File>& files : study.found) {
     Json found = Json::array();
@@ -111,7 +113,7 @@ void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
 Study StudyFolder::open() const {
   const fs::path text = path_ / kStudyFile;
   if (!fs::exists(text) || !fs::exists(path_ / kInputsFile))
-    throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' left"));
+    throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' or 'gust reproduce' left"));
   const KeptInputs inputs = read_inputs(path_);
   std::size_t asked = 0;
   const FindFiles find = [&](const std::string&, const Place&) {

@@ -194,7 +194,17 @@ void read_pack_file(const fs::path& file, PackVisitor& visitor) {
 
 }  // namespace
 
+/// Whether a pack may be written there: over nothing else than a pack.
+bool may_replace(const fs::path& file) {
+  if (!fs::exists(file)) return true;
+  std::ifstream stream(file, std::ios::binary);
+  std::string magic(kMagic.size(), '\0');
+  stream.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  return magic == kMagic;
+}
+
 PackCount pack_store(const Store& store, const fs::path& file, std::string_view only_kind) {
+  if (!may_replace(file)) throw Error(cat(file.string(), ": exists and is no pack; choose another name"));
   PackCount count;
   PackOutput output(file);
   for (const auto& [kind, id] : store.trials()) {

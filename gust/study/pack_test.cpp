@@ -90,6 +90,20 @@ TEST_CASE("equal trials make equal packs, whatever the order in which they came"
   CHECK(get_file(folder / "1.pack") == get_file(folder / "3.pack"));
 }
 
+TEST_CASE("a pack is put over nothing else than a pack") {
+  const TestFolder folder;
+  const Store store(folder / "store", Store::Access::write);
+  pack_store(store, folder / "a.pack");
+  commit_trial(store, "sweep", "a", "numbers");
+  put_file(folder / "thesis.txt", "mine");
+
+  CHECK(pack_store(store, folder / "a.pack").trials == 1);
+  CHECK(message_of([&] {
+          pack_store(store, folder / "thesis.txt");
+        }).ends_with("exists and is no pack; choose another name"));
+  CHECK(get_file(folder / "thesis.txt") == "mine");
+}
+
 TEST_CASE("packing leaves a damaged trial out, and unpacking puts it right") {
   const TestFolder folder;
   std::string told;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "gust/core/csv.h"
+#include "gust/core/hash.h"
 #include "gust/core/text.h"
 #include "gust/study/files.h"
 #include "gust/study/results.h"
@@ -16,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 3;
+constexpr int kSchema = 4;
 constexpr const char* kDescription = "reproduction.json";
 constexpr const char* kClaims = "claims.csv";
 
@@ -25,14 +27,62 @@ bool shows(const PaperFigure& figure, std::string_view part) {
 }
 
 /// The files of one study under one reading, without what tells them apart.
-fs::path stem_of(const fs::path& folder, const Reproduction& reproduction, const ReproductionStudy& study) {
+fs::path stem_of(const Reproduction& reproduction, const ReproductionStudy& study) {
   const Paper& paper = *reproduction.paper;
-  return folder / slug(paper.readings[study.reading].name) / paper.figures[study.figure].study;
+  return fs::path(slug(paper.readings[study.reading].name)) / paper.figures[study.figure].study;
 }
 
 fs::path with(const fs::path& stem, const std::string& end) { return stem.string() + end; }
 
 std::string number_text(double value) { return std::isnan(value) ? std::string() : cat(value); }
+
+/// What is wrong with a JSON text, without the library's number of it.
+std::string problem_of(const Json::exception& error) {
+  const std::string text = error.what();
+  return text.substr(text.find("] ") + 2);
+}
+
+/// Writes files into the folder, and knows their hashes.
+class ResultsWriter {
+ public:
+  explicit ResultsWriter(fs::path folder) : folder_(std::move(folder)) {}
+
+  void write(const fs::path& file, const std::string& bytes) {
+    write_file_atomically(folder_ / file, bytes);
+    hashes_[file.generic_string()] = hash_hex(bytes);
+  }
+  const Json& hashes() const { return hashes_; }
+
+ private:
+  fs::path folder_;
+  Json hashes_ = Json::object();
+};
+
+/// Reads files of the folder, and notes the first that is not as it was written: what reads it may know better what is
+/// wrong with it.
+class ResultsReader {
+ public:
+  ResultsReader(fs::path folder, std::map<std::string, std::string> hashes)
+      : folder_(std::move(folder)), hashes_(std::move(hashes)) {}
+
+  bool has(const fs::path& file) const { return hashes_.contains(file.generic_string()); }
+  std::string path(const fs::path& file) const { return (folder_ / file).string(); }
+  std::string read(const fs::path& file) {
+    std::string bytes = read_file(folder_ / file);
+    const auto hash = hashes_.find(file.generic_string());
+    const bool same = hash != hashes_.end() && hash->second == hash_hex(bytes);
+    if (!same && changed_.empty()) changed_ = path(file);
+    return bytes;
+  }
+  void check() const {
+    if (!changed_.empty()) throw Error(cat(changed_, ": has changed since it was written; run the reproduction again"));
+  }
+
+ private:
+  fs::path folder_;
+  std::map<std::string, std::string> hashes_;
+  std::string changed_;
+};
 
 std::string claims_csv(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
@@ -55,9 +105,9 @@ Ruling ruling_from(const std::string& name, const std::string& place) {
   throw Error(cat(place, ": '", name, "' is no verdict"));
 }
 
-void read_claims(const fs::path& file, PaperResults& results) {
+void read_claims(ResultsReader& files, PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
-  const CsvTable table(read_file(file), file.string());
+  const CsvTable table(files.read(kClaims), files.path(kClaims));
   for (std::size_t i = 0; i < table.size(); ++i) {
     const auto claim = std::ranges::find(paper.claims, table.text(i, "id"), &PaperClaim::id);
     const auto reading = std::ranges::find(paper.readings, table.text(i, "reading"), &PaperReading::name);
@@ -77,7 +127,7 @@ void read_claims(const fs::path& file, PaperResults& results) {
   }
 }
 
-Json description(const PaperResults& results) {
+Json description(const PaperResults& results, const Json& hashes) {
   const ReproductionChoice& choice = results.reproduction.choice;
   Json provenance = Json::array();
   for (const auto& [what, value] : results.provenance) provenance.push_back({what, value});
@@ -88,25 +138,33 @@ Json description(const PaperResults& results) {
           {"seeds", choice.seeds ? Json(*choice.seeds) : Json(nullptr)},
           {"provenance", provenance},
           {"failures", results.failures},
-          {"missing", results.missing}};
+          {"missing", results.missing},
+          {"files", hashes}};
 }
 
-PaperResults read_description(const fs::path& file) {
+/// What a folder says of its results, with nothing read yet but this.
+struct Description {
+  PaperResults results;
+  std::map<std::string, std::string> hashes;  ///< of the other files
+};
+
+Description read_description(const fs::path& folder) {
+  const std::string file = (folder / kDescription).string();
   const std::string bytes = read_file(file);
   try {
     const Json json = Json::parse(bytes);
     if (json.at("schema") != kSchema)
-      throw Error(cat(file.string(), ": was written by another version of gust; choose another folder"));
-    if (!json.at("missing").is_number_unsigned()) throw Error(cat(file.string(), ": 'missing' is no count"));
+      throw Error(cat(file, ": was written by another version of gust; choose another folder"));
+    if (!json.at("missing").is_number_unsigned()) throw Error(cat(file, ": 'missing' is no count"));
     ReproductionChoice choice{json.at("profile"), json.at("only"), {}};
     if (!json.at("seeds").is_null()) choice.seeds = json.at("seeds").get<std::int64_t>();
     PaperResults results{open_reproduction(paper_at(json.at("paper").get<std::string>()), choice), {}, {}, {}, {}};
     results.failures = json.at("failures");
     results.missing = json.at("missing").get<std::uint64_t>();
     for (const Json& entry : json.at("provenance")) results.provenance.emplace_back(entry.at(0), entry.at(1));
-    return results;
+    return {std::move(results), json.at("files")};
   } catch (const Json::exception& error) {
-    throw Error(cat(file.string(), ": is no description of a reproduction: ", error.what()));
+    throw Error(cat(file, ": is no description of a reproduction: ", problem_of(error)));
   }
 }
 
@@ -118,20 +176,20 @@ std::string kept_text(const Study& study, const KeptTraces& kept) {
   return head.dump() + "\n";
 }
 
-KeptTraces read_kept(const fs::path& file, const Study& study) {
-  const std::string bytes = read_file(file);
+KeptTraces read_kept(ResultsReader& files, const fs::path& name, const Study& study) {
+  const std::string bytes = files.read(name), file = files.path(name);
   try {
     const Json json = Json::parse(bytes);
     const auto policy = std::ranges::find(study.policies, json.at("policy").get<std::string>(), &StudyPolicy::name);
-    const auto name = json.at("sweep").get<std::string>();
-    const auto sweep = std::ranges::find(study.sweeps, name, &Sweep::name);
-    if (policy == study.policies.end() || (!name.empty() && sweep == study.sweeps.end()))
-      throw Error(cat(file.string(), ": belongs to another study"));
+    const auto along = json.at("sweep").get<std::string>();
+    const auto sweep = std::ranges::find(study.sweeps, along, &Sweep::name);
+    if (policy == study.policies.end() || (!along.empty() && sweep == study.sweeps.end()))
+      throw Error(cat(file, ": belongs to another study"));
     return {static_cast<std::size_t>(policy - study.policies.begin()), json.at("member"),
-            name.empty() ? Trial::kNominal : static_cast<std::size_t>(sweep - study.sweeps.begin()),
-            read_traces(json.at("traces").get<std::string>(), file.string())};
+            along.empty() ? Trial::kNominal : static_cast<std::size_t>(sweep - study.sweeps.begin()),
+            read_traces(json.at("traces").get<std::string>(), file)};
   } catch (const Json::exception& error) {
-    throw Error(cat(file.string(), ": holds no episodes: ", error.what()));
+    throw Error(cat(file, ": holds no episodes: ", problem_of(error)));
   }
 }
 
@@ -172,43 +230,46 @@ void leave_out_unshown(PaperResults& results) {
   }
 }
 
-Reproduction read_results_choice(const fs::path& folder) {
-  return read_description(folder / kDescription).reproduction;
-}
+Reproduction read_results_choice(const fs::path& folder) { return read_description(folder).results.reproduction; }
+
+std::uint64_t read_results_missing(const fs::path& folder) { return read_description(folder).results.missing; }
 
 void write_results(const PaperResults& results, const fs::path& folder) {
   std::error_code error;
   fs::remove(folder / kDescription, error);  // it comes last again: without it nothing there counts as results
   const Reproduction& reproduction = results.reproduction;
+  ResultsWriter files(folder);
   for (std::size_t i = 0; i < reproduction.studies.size(); ++i) {
     const ReproductionStudy& part = reproduction.studies[i];
     const PaperFigure& figure = reproduction.paper->figures[part.figure];
-    const fs::path stem = stem_of(folder, reproduction, part);
-    write_file_atomically(with(stem, ".csv"), cells_csv(part.study, results.summaries[i]));
+    const fs::path stem = stem_of(reproduction, part);
+    files.write(with(stem, ".csv"), cells_csv(part.study, results.summaries[i]));
     if (shows(figure, "learning"))
-      write_file_atomically(with(stem, "-learning.csv"), curves_csv(part.study, results.summaries[i]));
+      files.write(with(stem, "-learning.csv"), curves_csv(part.study, results.summaries[i]));
     for (std::size_t k = 0; shows(figure, "replay") && k < results.summaries[i].kept.size(); ++k)
-      write_file_atomically(with(stem, cat("-", k + 1, ".json")), kept_text(part.study, results.summaries[i].kept[k]));
+      files.write(with(stem, cat("-", k + 1, ".json")), kept_text(part.study, results.summaries[i].kept[k]));
   }
-  write_file_atomically(folder / kClaims, claims_csv(results));
-  write_file_atomically(folder / kDescription, description(results).dump(2) + "\n");
+  files.write(kClaims, claims_csv(results));
+  write_file_atomically(folder / kDescription, description(results, files.hashes()).dump(2) + "\n");
 }
 
 PaperResults read_results(const fs::path& folder) {
-  PaperResults results = read_description(folder / kDescription);
+  auto [results, hashes] = read_description(folder);
+  ResultsReader files(folder, std::move(hashes));
   for (ReproductionStudy& part : results.reproduction.studies) {
     const PaperFigure& figure = results.reproduction.paper->figures[part.figure];
-    const fs::path stem = stem_of(folder, results.reproduction, part);
+    const fs::path stem = stem_of(results.reproduction, part);
     Summary& summary = results.summaries.emplace_back();
     const fs::path cells = with(stem, ".csv");
-    read_cells(read_file(cells), cells.string(), part.study, summary);
+    read_cells(files.read(cells), files.path(cells), part.study, summary);
     const fs::path learning = with(stem, "-learning.csv");
-    if (shows(figure, "learning")) read_curves(read_file(learning), learning.string(), part.study, summary);
-    for (std::size_t k = 1; shows(figure, "replay") && fs::exists(with(stem, cat("-", k, ".json"))); ++k)
-      summary.kept.push_back(read_kept(with(stem, cat("-", k, ".json")), part.study));
+    if (shows(figure, "learning")) read_curves(files.read(learning), files.path(learning), part.study, summary);
+    for (std::size_t k = 1; shows(figure, "replay") && files.has(with(stem, cat("-", k, ".json"))); ++k)
+      summary.kept.push_back(read_kept(files, with(stem, cat("-", k, ".json")), part.study));
   }
-  read_claims(folder / kClaims, results);
-  return results;
+  read_claims(files, results);
+  files.check();
+  return std::move(results);
 }
 
 bool holds_results(const fs::path& folder) { return fs::exists(folder / kDescription); }

@@ -42,6 +42,8 @@ void leave_out_unshown(PaperResults& results);
 
 /// What the results in a folder are of.
 Reproduction read_results_choice(const std::filesystem::path& folder);
+/// How many known trials had not been run for them.
+std::uint64_t read_results_missing(const std::filesystem::path& folder);
 
 /// Whether a folder holds the results of a reproduction.
 bool holds_results(const std::filesystem::path& folder);

@@ -171,7 +171,7 @@ std::size_t margin_metric(const Study& study) {
 
 const std::string& required_text(const Table& table, std::string_view key, std::string_view what) {
   const Value* value = table.find(key);
-  if (value == nullptr) throw error_at(table.place, what, " needs a '", key, "'");
+  if (value == nullptr) throw error_at(table.place, what, key.front() == 'i' ? " needs an '" : " needs a '", key, "'");
   return value->as_text(key);
 }
 

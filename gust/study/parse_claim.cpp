@@ -52,11 +52,29 @@ std::string claim_start(const Table& table, const Study& study) {
   return random == study.starts.end() ? study.starts.front().name : random->name;
 }
 
-/// "where" and a metric with its bound.
-void parse_where(const Table& table, const Value& where_value, const Study& study, StudyClaim& claim) {
+/// A formula on one line, as errors and tables show it.
+std::string on_one_line(const std::string& text) {
+  std::string line;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t blank = std::min(text.find_first_not_of(" \t\r\n", at), text.size());
+    const bool breaks = text.substr(at, blank - at).find('\n') != std::string::npos;
+    const bool inside = !line.empty() && blank < text.size();
+    if (inside) line += breaks ? " " : text.substr(at, blank - at);
+    at = std::min(text.find_first_of(" \t\r\n", blank), text.size());
+    line += text.substr(blank, at - blank);
+  }
+  return line;
+}
+
+std::vector<std::string> metric_names(const Study& study) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < study.metric_set.size(); ++i) names.push_back(study.metric_set.name(i));
-  parse_claim(claim.holds, names, table.find("holds")->place);
+  return names;
+}
+
+/// "where" and a metric with its bound.
+void parse_where(const Table& table, const Value& where_value, const Study& study, StudyClaim& claim) {
+  parse_claim(claim.holds, metric_names(study), table.find("holds")->place);
   const Table& where = where_value.as_table("where");
   const Value* policy = where.find("policy");
   if (policy == nullptr) throw error_at(where.place, "'where' needs a 'policy'");
@@ -76,6 +94,12 @@ void parse_where(const Table& table, const Value& where_value, const Study& stud
 
 /// A statement of its own; tried on scores without numbers, so that what is wrong with it is said before any work.
 void parse_formula_claim(const Table& table, const Study& study, StudyClaim& claim) {
+  for (const std::string& metric : metric_names(study)) {
+    const std::string_view after = std::string_view(claim.holds).substr(std::min(metric.size(), claim.holds.size()));
+    if (claim.holds.starts_with(metric) && after.find_first_not_of(' ') == after.find_first_of("<>"))
+      throw error_at(table.find("holds")->place, "whose ", metric, "? It needs where = { policy = … }, or ", metric,
+                     "('POLICY')");
+  }
   claim.start = claim_start(table, study);
   claim.metric = study.metric_set.name(margin_metric(study));
   if (const Value* metric = table.find("metric"))
@@ -99,7 +123,7 @@ StudyClaim parse_claim_of(const Table& table, const Study& study) {
   claim.place = table.place;
   claim.id = checked_name(table, "id", "a claim");
   if (table.contains("text")) claim.text = required_text(table, "text", "a claim");
-  claim.holds = required_text(table, "holds", "a claim");
+  claim.holds = on_one_line(required_text(table, "holds", "a claim"));
   if (const Value* required = table.find("required")) claim.required = required->as_bool("required");
   if (const Value* where = table.find("where")) {
     for (const char* key : {"metric", "start"}) {

@@ -42,7 +42,7 @@ def test_verdicts_have_numbers_under_each_reading_that_bears_on_them(small):
         rows = [row for row in csv.DictReader(file) if row["id"] == "C60"]
     assert [row["reading"] for row in rows] == [
         "scg-2022", "scg-default", "fixed start", "ranges added", "five million steps",
-        "rmse of safe-control-gym", "root of the sum", "as printed"]
+        "median of trainings", "rmse of safe-control-gym", "root of the sum", "as printed"]
     for row in rows[:-1]:
         assert row["seeds"] == {"undecided": "1", "not testable": "0"}[row["verdict"]] and float(row["estimate"])
     assert rows[-1]["verdict"] == "holds"
@@ -73,7 +73,7 @@ def test_run_again_does_nothing_and_finds_the_same(gust, tmp_path, small):
     assert done.stderr == ""  # no progress: nothing was missing
     assert tables(tmp_path / "again/paper-quick.gust") == tables(small[0] / "paper-quick.gust")
     answer = json.loads(done.stdout)
-    assert answer["profile"] == "quick" and len(answer["claims"]) == 8 + 6 + 8 + 8 and answer["failures"] == []
+    assert answer["profile"] == "quick" and len(answer["claims"]) == 9 + 7 + 9 + 9 and answer["failures"] == []
 
 
 def test_figure_without_trainings_takes_no_time_and_keeps_its_episodes(gust, tmp_path):
@@ -108,6 +108,16 @@ def test_tables_that_were_tampered_with_are_errors(gust, tmp_path, small):
                          (good.replace(",25,episodes", ",-1,episodes", 1), "'-1' is no whole number")]:
         cells.write_text(bad)
         assert message in gust("report", "copy", code=2).stderr
+    claims = tmp_path / "copy/claims.csv"
+    was = claims.read_text()
+    cells.write_text(good)
+    lines = was.splitlines(keepends=True)
+    for path, good_one, bad in [(cells, good, good.replace(",0.", ",1.", 1)), (claims, was, was.replace("undecided", "holds", 1)),
+                                (claims, was, lines[0]), (claims, was, was + lines[1])]:
+        path.write_text(bad)
+        assert f"{path.name}: has changed since it was written" in gust("report", "copy", code=2).stderr
+        path.write_text(good_one)
+    gust("report", "copy")
     cells.unlink()
     assert "table-dr.csv" in gust("report", "copy", code=2).stderr
     (tmp_path / "copy/reproduction.json").write_text("{}")
@@ -122,6 +132,11 @@ def test_a_folder_that_holds_something_else_is_left_alone(gust, tmp_path, small)
     other = gust(*QUICK, "--only", "disturbances", "--out", "done", code=2, seconds=60)
     assert "done: holds what 'gust reproduce paper --only table-dr --seeds 1 --profile quick' found" in other.stderr
     assert tables(tmp_path / "done") == tables(small[0] / "paper-quick.gust")
+    (tmp_path / "lqr.toml").write_text(
+        'schema = 1\nname = "small"\nseed = 1\nplant = { kind = "cartpole" }\npolicy = [{ name = "lqr", kind = "lqr" }]\n')
+    assert "done: holds what 'gust reproduce' found" in gust("run", "lqr.toml", "--out", "done", code=2).stderr
+    gust("run", "lqr.toml", "--out", "study")
+    assert "study: holds something else" in gust(*QUICK, "--out", "study", code=2, seconds=60).stderr
 
 
 def test_page_of_agents_is_made_again_too(gust, tmp_path):
@@ -174,6 +189,10 @@ def test_so_far_judges_what_is_there_and_runs_nothing(gust, tmp_path, small):
     evaluated = sorted((tmp_path / "some/paper-quick.gust/store/evaluate").iterdir())
     shutil.rmtree(evaluated[0])
     so_far = [*QUICK, "--only", "table-dr", "--seeds", "1", "--so-far"]
+    refused = gust(*so_far, cwd=tmp_path / "some", code=2).stderr
+    assert "paper-quick.gust: has results that lack 0 trials, this store lacks 2; choose another --out" in refused
+    assert tables(tmp_path / "some/paper-quick.gust") == tables(small[0] / "paper-quick.gust")
+    (tmp_path / "some/paper-quick.gust/reproduction.json").unlink()  # as if it had been stopped
 
     done = gust(*so_far, cwd=tmp_path / "some")
     assert done.stderr == ""

@@ -96,7 +96,8 @@ std::string verdicts_text(const PaperResults& results) {
                                          same, on.size(), paper.claims[c].text);
     text += cat(fitted(line, columns), "\n");
   }
-  text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
+  if (!results.verdicts.empty())
+    text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
   for (const std::string& sentence : findings(results)) text += cat(sentence, "\n");
   return text;
 }
@@ -133,8 +134,17 @@ void check_folder(const std::filesystem::path& folder, const Reproduction& repro
     if (other == command_text(reproduction)) return;
     throw Error(cat(folder.string(), ": holds what '", other, "' found; choose another --out"));
   }
-  if (!std::filesystem::exists(folder / "store", error))
+  if (!std::filesystem::exists(folder / "store", error) || std::filesystem::exists(folder / "study.toml", error))
     throw Error(cat(folder.string(), ": holds something else; choose another --out"));
+}
+
+/// Refuses to put what has been run so far over results of more, as of another store.
+void check_progress(const std::filesystem::path& folder, const std::vector<RunOutcome>& outcomes) {
+  if (!holds_results(folder)) return;
+  const std::size_t before = read_results_missing(folder), now = still_to_run(outcomes);
+  if (now > before)
+    throw Error(cat(folder.string(), ": has results that lack ", before, " trials, this store lacks ", now,
+                    "; choose another --out"));
 }
 
 int reproduce(Options& options) {
@@ -149,6 +159,7 @@ int reproduce(Options& options) {
     tell("stopped; the same command goes on from here");
     return run.stopped;
   }
+  if (options.so_far) check_progress(folder.path(), run.outcomes);
   const PaperResults results = collect(std::move(reproduction), run.outcomes, store, threads);
   for (const std::string& line : results.failures) tell(line);
   std::string page;
