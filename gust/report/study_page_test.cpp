@@ -3,7 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <functional>
 
+#include "gust/report/study_episodes.h"
 #include "gust/study/study_fixture.h"
 
 namespace gust {
@@ -83,6 +85,32 @@ TEST_CASE("a kept episode is whole, and what fell says of what") {
   const auto fell = std::ranges::find_if(page.episodes, [](const auto& one) { return !one.failure.empty(); });
   REQUIRE(fell != page.episodes.end());
   CHECK(fell->failure.find_first_of("<>") != std::string::npos);
+}
+
+TEST_CASE("a kept episode that is none of the study's is refused") {
+  const ScratchFolder folder("gust-study-page-kept");
+  Study study = small_study();
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
+  const std::vector<KeptTraces> good = summarise(study, outcome.plan, store, 1).kept;
+  const std::vector<std::size_t> sweep_at = {0, 1};
+  REQUIRE(kept_episodes(study, good, sweep_at).size() == 2 * 3 * 2);
+
+  const std::function<void(KeptTraces&)> changes[] = {
+      [](KeptTraces& kept) { kept.member = 3; },
+      [](KeptTraces& kept) { kept.traces[0].index.cell = 99'999; },
+      [](KeptTraces& kept) { kept.traces[0].index.start = 7; },
+      [](KeptTraces& kept) { kept.traces[0].index.episode = -1; },
+      [](KeptTraces& kept) { kept.traces[0].failed_at = 1'000'000'000; },
+      [](KeptTraces& kept) { kept.traces[0].reward.clear(); },
+      [](KeptTraces& kept) { kept.traces[0].force = {}; },
+      [](KeptTraces& kept) { kept.traces[0].observation = kept.traces[0].force; },
+  };
+  for (const auto& change : changes) {
+    std::vector<KeptTraces> bad = good;
+    change(bad[0]);
+    CHECK_THROWS_WITH_AS(kept_episodes(study, bad, sweep_at), doctest::Contains("is none of this study's"), Error);
+  }
 }
 
 TEST_CASE("a sweep over two parameters becomes a map") {

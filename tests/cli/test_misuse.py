@@ -79,7 +79,7 @@ MISTAKES = [
     (["plan", DEMO, "--set", "claim.nominal.holds=survival => 1"], "column 10: expected >=, >, <= or <"),
     (["run", DEMO, "--threads", "0"], "not in range 1 to 1024"),
     (["run", DEMO, "--out", "/proc/x"], "/proc/x: cannot make the folder"),
-    (["report", "."], ".: holds no study; give the folder that 'gust run' left"),
+    (["report", "."], ".: holds no study; give the folder that 'gust run' or 'gust reproduce' left"),
     (["export", "."], "where to? give --csv FILE, --sqlite FILE, or both"),
     (["export", ".", "--csv", "a", "--sqlite", "a"], "--csv and --sqlite: name two files"),
     (["validate", "recording.csv"], "is recording.json meant?"),

@@ -154,19 +154,15 @@ def test_plan_says_which_options_are_whose(gust):
     assert "are for a paper" in gust("plan", "study.toml", "--seeds", "3", code=2).stderr
 
 
-def test_kept_episodes_of_nobody_are_errors(gust, tmp_path):
+def test_kept_episodes_that_changed_are_errors(gust, tmp_path):
     gust(*QUICK, "--only", "disturbances")
     path = tmp_path / "paper-quick.gust/scg-2022/disturbances-2.json"
-    good = json.loads(path.read_text())
-    (first, *_) = json.loads(good["traces"])
-    for change in [{"cell": 99999}, {"start": 7}, {"episode": -1}, {"failed_at": 10**9}, {"reward": []}, {"force": []},
-                   {"observation": first["force"]}, {"state": first["state"][:-1]}]:
-        path.write_text(json.dumps({**good, "traces": json.dumps([{**first, **change}])}))
-        told = gust("report", "paper-quick.gust", code=2).stderr
-        assert "kept episode" in told, change
-    path.write_text(json.dumps({**good, "member": 3}))
-    assert "is none of this study's" in gust("report", "paper-quick.gust", code=2).stderr
-    path.write_text(json.dumps(good))
+    good = path.read_text()
+    path.write_text(good.replace('"member":0', '"member":3'))
+    assert "disturbances-2.json: has changed since it was written" in gust("report", "paper-quick.gust", code=2).stderr
+    path.write_text(good[:-9])
+    assert "disturbances-2.json: holds no episodes" in gust("report", "paper-quick.gust", code=2).stderr
+    path.write_text(good)
     description = tmp_path / "paper-quick.gust/reproduction.json"
     description.write_text(description.read_text().replace('"seeds": null', '"seeds": 2000000000'))
     assert "1 to 10000 seeds" in gust("report", "paper-quick.gust", code=2).stderr
