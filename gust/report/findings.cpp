@@ -310,9 +310,11 @@ std::string tables_sentence(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   std::size_t printed = 0, measured = 0, within = 0, among = 0;
   std::vector<double> ratios;
+  std::vector<std::string> tables;
   for (const PaperFigure& figure : paper.figures) {
     const std::optional<std::size_t> at = results.reproduction.find(0, figure.study);
     if (!at || figure.table.empty()) continue;
+    const std::size_t measured_before = measured, among_before = among;
     for (const auto& cell : table_of(paper, figure, results.reproduction.studies[*at].study, results.summaries[*at])) {
       ++printed;
       if (cell.trainings.empty()) continue;
@@ -322,14 +324,16 @@ std::string tables_sentence(const PaperResults& results) {
       const Page::Estimate range = training_range(cell);
       ratios.push_back(range.high / range.low);
     }
+    if (measured > measured_before)
+      tables.push_back(cat(among - among_before, " of ", measured - measured_before, " in ", figure.place));
   }
   if (measured == 0) return "";
-  return cat(
-      "Of the ", counted(measured, "number", "numbers"), " in the paper's tables",
-      measured < printed ? " that were measured, " : ", ", counted(within, "lies", "lie"),
-      " in the interval of our mean, and ", among,
-      fmt::format(" between the least and the greatest of our single trainings, a factor of {:.2g} apart (median).",
-                  aggregate(Statistic::median, ratios)));
+  return cat("Of the ", counted(measured, "number", "numbers"), " in the paper's tables",
+             measured < printed ? " that were measured, " : ", ", counted(within, "lies", "lie"),
+             " in the interval of our mean, and ", among,
+             " between the least and the greatest of our single trainings, ",
+             fmt::format("a factor of {:.2g} apart (median): ", aggregate(Statistic::median, ratios)),
+             join(tables, ", "), ".");
 }
 
 }  // namespace
@@ -339,8 +343,8 @@ std::vector<std::string> findings(const PaperResults& results) {
   for (std::string sentence :
        {counts_sentence(results), hardness_sentence(results), tables_sentence(results), undisturbed_sentence(results),
         reading_sentence(results), one_training_sentence(results), narrow_intervals_sentence(results),
-        training_noise_sentence(results), early_failure_sentence(results), saturation_sentence(results),
-        regulator_sentence(results), budget_sentence(results)}) {
+        training_noise_sentence(results), undisturbed_sentence(results), early_failure_sentence(results),
+        saturation_sentence(results), regulator_sentence(results), budget_sentence(results)}) {
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   }
   return sentences;

@@ -18,9 +18,8 @@ std::string cell(std::string text) {
 }
 
 std::string number(const Page::Estimate& estimate) {
-  if (!std::isfinite(estimate.value)) return "–";
   const std::string value = short_number(estimate.value);
-  if (!std::isfinite(estimate.low) || !std::isfinite(estimate.high)) return value;
+  if (std::isnan(estimate.low) || std::isnan(estimate.high)) return value;
   return cat(value, " [", short_number(estimate.low), ", ", short_number(estimate.high), "]");
 }
 
@@ -52,7 +51,7 @@ std::string claims_table(const ReproductionPage& page, const ReproductionPage::F
     const auto& verdict = claim.verdicts.front();
     const std::string reading = verdict.reading == 0 ? "" : cat(" (", page.readings[verdict.reading].name, ")");
     text += cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", ruling_text(verdict.ruling),
-                reading, " | ", std::isfinite(verdict.measured.value) ? number(verdict.measured) : cell(verdict.reason),
+                reading, " | ", std::isnan(verdict.measured.value) ? cell(verdict.reason) : number(verdict.measured),
                 " | ", std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ",
                 cell(other_verdicts(page, claim)), " |\n");
   }
