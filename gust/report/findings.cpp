@@ -341,10 +341,10 @@ std::string tables_sentence(const PaperResults& results) {
 std::vector<std::string> findings(const PaperResults& results) {
   std::vector<std::string> sentences;
   for (std::string sentence :
-       {counts_sentence(results), hardness_sentence(results), tables_sentence(results), undisturbed_sentence(results),
-        reading_sentence(results), one_training_sentence(results), narrow_intervals_sentence(results),
-        training_noise_sentence(results), undisturbed_sentence(results), early_failure_sentence(results),
-        saturation_sentence(results), regulator_sentence(results), budget_sentence(results)}) {
+       {counts_sentence(results), hardness_sentence(results), tables_sentence(results), reading_sentence(results),
+        one_training_sentence(results), narrow_intervals_sentence(results), training_noise_sentence(results),
+        undisturbed_sentence(results), early_failure_sentence(results), saturation_sentence(results),
+        regulator_sentence(results), budget_sentence(results)}) {
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   }
   return sentences;
