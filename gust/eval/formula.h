@@ -47,6 +47,12 @@ class NotTestable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A place outside a curve: of data that are yet to come an Error, for its levels are known before.
+class BeyondLevels : public NotTestable {
+ public:
+  using NotTestable::NotTestable;
+};
+
 /// The functions of a formula that speak of data: scores, learning curves, tables.
 class FormulaData {
  public:

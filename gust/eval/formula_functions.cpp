@@ -98,7 +98,7 @@ FormulaValue at(const Arguments& arguments) {
   const double x = where.estimate();
   const auto after = std::ranges::lower_bound(curve.axis, x);
   if (after == curve.axis.end() || x < curve.axis.front())
-    throw NotTestable(cat(x, " lies beyond the levels, ", curve.axis.front(), " to ", curve.axis.back()));
+    throw BeyondLevels(cat(x, " lies beyond the levels, ", curve.axis.front(), " to ", curve.axis.back()));
   const auto right = static_cast<std::size_t>(after - curve.axis.begin());
   if (*after == x) return {curve.values[right]};
   const double share = (x - curve.axis[right - 1]) / (curve.axis[right] - curve.axis[right - 1]);

@@ -23,7 +23,8 @@ std::vector<std::string> names_of(const auto& items) {
 /// The levels of an axis; of a grid that is still to be found, any two.
 std::vector<double> levels_of(const Sweep& sweep, std::size_t axis) {
   const std::vector<double>& levels = sweep.axes[axis].values;
-  return levels.empty() ? std::vector<double>{0.0, 1.0} : levels;
+  constexpr double kFar = std::numeric_limits<double>::max();
+  return levels.empty() ? std::vector<double>{-kFar, kFar} : levels;  // not found yet: any level may be among them
 }
 
 template <class Items>
@@ -299,7 +300,8 @@ std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) con
     throw Error(cat("policy '", policy.name, "' is not trained: it has no learning curve"));
   std::vector<std::vector<CurvePoint>> curves;
   if (place.source->store == nullptr) {
-    curves.push_back({{.steps = 0, .anr_h = 1}, {.steps = 1, .anr_h = 1, .protagonist_steps = 1}});
+    constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
+    curves.push_back({{.steps = 0, .anr_h = 1}, {.steps = kFar, .anr_h = 1, .protagonist_steps = kFar}});
     return curves;
   }
   const Plan& plan = *place.source->plan;

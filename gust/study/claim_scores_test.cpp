@@ -218,6 +218,8 @@ TEST_CASE("what is wrong with a formula is said when the study is read") {
   CHECK(problem_of("[[policy]]\nname = \"p\"\nkind = \"train\"\nagent = { kind = \"ppo\" }\n" +
                    formula("last(curve('p', 'anr_g')) > 0"))
             .find("a learning curve has no 'anr_g'; did you mean 'anr_h'?") != std::string::npos);
+  CHECK(problem_of(formula("at(score('lqr', 'push'), 31) > 0"))
+            .find("claim 'at(score('lqr', 'push'), 31) > 0': 31 lies beyond the levels, 0 to 30") != std::string::npos);
   CHECK(problem_of(formula("survival >= 0.8"))
             .find("whose survival? It needs where = { policy = … }, or "
                   "survival('POLICY')") != std::string::npos);

@@ -106,7 +106,12 @@ void parse_formula_claim(const Table& table, const Study& study, StudyClaim& cla
     claim.metric = study.metric_set.name(study.metric_set.index(metric->as_text("metric"), metric->place));
   claim.formula.emplace(claim.holds, table.find("holds")->place);
   const ClaimScores shapes({{.study = &study}}, {claim.metric, claim.start}, Rng(0));
-  judge(*claim.formula, study.names, shapes);
+  try {
+    claim.formula->judge(study.names, shapes);
+  } catch (const BeyondLevels& mistake) {
+    throw error_at(table.find("holds")->place, "claim '", claim.holds, "': ", mistake.what());
+  } catch (const NotTestable&) {  // a choice among scores that are yet to come
+  }
 }
 
 }  // namespace
