@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "gust/study/study_fixture.h"
 
@@ -155,6 +156,23 @@ TEST_CASE("a figure with learning curves says which are not flat at their ends")
   CHECK(std::ranges::count(findings(results), held) == 1);
   results.summaries[0].curves.resize(1);  // of ppo alone
   CHECK(trained().ends_with("adds no more than 0.02 to any policy's return over the horizon."));
+}
+
+TEST_CASE("what is left of results is what their tables hold") {
+  PaperResults results = invented_results_of("white");
+  results.summaries[0].curves.resize(1);  // of a figure that shows none
+  results.summaries[0].series[0].values[0] = {0.12345678901, -1e-7 / 3, 12'345'678};
+  results.summaries[0].series[0].values[1] = {std::nan(""), 1, 0};
+
+  reduce_to_tables(results);
+
+  CHECK(results.summaries[0].curves.empty());
+  const std::vector<Estimate>& values = results.summaries[0].series[0].values;
+  CHECK(values[0].value == 0.1234568);
+  CHECK(values[0].low == -3.333333e-8);
+  CHECK(values[0].high == 12'345'680);
+  CHECK(std::isnan(values[1].value));
+  CHECK(values[1].low == 1);
 }
 
 TEST_CASE("results are the same after a way through their folder") {

@@ -74,7 +74,7 @@ TEST_CASE("scores are those of the summary, metric by metric and start by start"
     REQUIRE(cells.size() == 3);
     for (std::size_t cell = 0; cell < 3; ++cell)
       CHECK(cells[cell].estimate() ==
-            doctest::Approx(run.summary.find(0, 0, start)->at(anr, cell).value).epsilon(1e-6));
+            doctest::Approx(run.summary.find(0, 0, start)->at(anr, cell).value).epsilon(1e-14));
   }
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
   const Summary summary = summarise(study, outcome.plan, store, 1);
   const std::size_t random = study.starts[0].random ? 0 : 1;
   CHECK(ask("score('p')").as_number("a test").estimate() ==
-        doctest::Approx(summary.undisturbed(0, random)).epsilon(1e-6));
+        doctest::Approx(summary.undisturbed(0, random)).epsilon(1e-12));
   CHECK(scores.fewest_seeds() == 2);
   CHECK(ask("score('longer')").as_number("a test").estimate() != summary.undisturbed(1, random));  // without seed 2
   CHECK(scores.fewest_seeds() == 2);

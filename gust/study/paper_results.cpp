@@ -1,6 +1,8 @@
 #include "gust/study/paper_results.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -35,6 +37,14 @@ fs::path stem_of(const Reproduction& reproduction, const ReproductionStudy& stud
 fs::path with(const fs::path& stem, const std::string& end) { return stem.string() + end; }
 
 std::string number_text(double value) { return std::isnan(value) ? std::string() : cat(value); }
+
+/// To seven digits, which is more than any number of episodes knows of a mean.
+double rounded(double value) {
+  std::array<char, 32> text;
+  const std::to_chars_result end = std::to_chars(text.begin(), text.end(), value, std::chars_format::general, 7);
+  std::from_chars(text.begin(), end.ptr, value);
+  return value;
+}
 
 /// What is wrong with a JSON text, without the library's number of it.
 std::string problem_of(const Json::exception& error) {
@@ -222,7 +232,12 @@ std::vector<const PaperVerdict*> PaperResults::on(std::size_t claim) const {
   return found;
 }
 
-void leave_out_unshown(PaperResults& results) {
+void reduce_to_tables(PaperResults& results) {
+  for (Summary& summary : results.summaries) {
+    for (Series& series : summary.series) {
+      for (Estimate& cell : series.values) cell = {rounded(cell.value), rounded(cell.low), rounded(cell.high)};
+    }
+  }
   for (std::size_t i = 0; i < results.summaries.size(); ++i) {
     const PaperFigure& figure = results.reproduction.paper->figures[results.reproduction.studies[i].figure];
     if (!shows(figure, "learning")) results.summaries[i].curves.clear();

@@ -37,8 +37,9 @@ struct PaperResults {
 void write_results(const PaperResults& results, const std::filesystem::path& folder);
 PaperResults read_results(const std::filesystem::path& folder);
 
-/// Leaves out the learning curves and kept episodes of figures that do not show them: these are not written.
-void leave_out_unshown(PaperResults& results);
+/// Leaves what the tables hold, so that a page made of them is this one: means and intervals to seven digits, learning
+/// curves and kept episodes of those figures alone that show them.
+void reduce_to_tables(PaperResults& results);
 
 /// What the results in a folder are of.
 Reproduction read_results_choice(const std::filesystem::path& folder);

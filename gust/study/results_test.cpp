@@ -62,7 +62,7 @@ TEST_CASE("a sweep of one cell keeps what each training alone shows") {
   const std::vector<double>& values = ppo.trainings;
   REQUIRE(values.size() == 2);
   CHECK(values[0] != values[1]);
-  CHECK(0.5 * (values[0] + values[1]) == doctest::Approx(ppo.at(metric, 0).value).epsilon(1e-6));
+  CHECK(0.5 * (values[0] + values[1]) == doctest::Approx(ppo.at(metric, 0).value).epsilon(1e-14));
   CHECK(found.summary.find(2, 0, 1)->trainings.empty());  // several cells
   CHECK(found.summary.find(0, 3, 1)->trainings.empty());  // trained nothing
 

@@ -90,7 +90,7 @@ TEST_CASE("a summary agrees with the rows it came from") {
   const Series* series = summary.find(0, 1, 1);
   REQUIRE(series != nullptr);
   CHECK(count == 3);
-  CHECK(series->at(study.metric_set.index("anr", {}), 1).value == doctest::Approx(sum / 3).epsilon(1e-6));
+  CHECK(series->at(study.metric_set.index("anr", {}), 1).value == doctest::Approx(sum / 3).epsilon(1e-14));
   CHECK(series->has_margin);
   CHECK(series->unit == Unit::episodes);
   REQUIRE(summary.claims.size() == 1);

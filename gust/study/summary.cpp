@@ -1,9 +1,7 @@
 #include "gust/study/summary.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <charconv>
 #include <cmath>
 #include <thread>
 
@@ -45,15 +43,6 @@ struct MarginScores {
 };
 
 Rng resampling_stream(const Study& study) { return Rng(static_cast<std::uint64_t>(study.seed)).split("bootstrap"); }
-
-/// A mean or an end of its interval to seven digits: more than any number of episodes knows of it, and the tables are
-/// smaller by a third.
-double seven_digits(double value) {
-  std::array<char, 32> text;
-  const std::to_chars_result end = std::to_chars(text.begin(), text.end(), value, std::chars_format::general, 7);
-  std::from_chars(text.begin(), end.ptr, value);
-  return value;
-}
 
 /// What one thread needs to summarise group after group.
 class Summariser {
@@ -119,8 +108,7 @@ class Summariser {
       const Matrix<double> values = rows.values(series.start, metric, same);
       const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
-      series.values[i * series.cells + cell] = {seven_digits(result.estimate), seven_digits(result.low),
-                                                seven_digits(result.high)};
+      series.values[i * series.cells + cell] = {result.estimate, result.low, result.high};
       const bool alone = series.cells == 1 && series.sweep != Trial::kNominal;
       if (alone && metric == study_.metrics.front() && result.unit == Unit::seeds)
         series.trainings = unit_values(values.view());

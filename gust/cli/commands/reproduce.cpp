@@ -71,7 +71,7 @@ PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& o
     plans.push_back(outcomes[i].plan);
     results.summaries.push_back(summarise(results.reproduction.studies[i].study, plans[i], store, threads));
   }
-  leave_out_unshown(results);
+  reduce_to_tables(results);
   results.verdicts = judge_paper(results.reproduction, plans, store, threads);
   return results;
 }
