@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <cstdlib>
 
 #include "gust/cli/help_format.h"
@@ -58,7 +59,8 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& error)
   }
   const std::vector<std::string> names = command_names(app);
   if (!names.empty() && !extras.empty()) return extra_message(app, extras.front()) + help;
-  if (!names.empty()) return cat("which command? ", join(names, ", "), help);
+  const bool lacks_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  if (!names.empty() && lacks_command) return cat("which command? ", join(names, ", "), help);
   std::string message = error.what();
   if (const std::size_t end = message.find('\n'); end != std::string::npos) message.resize(end);
   return message + help;
@@ -109,6 +111,20 @@ const CLI::App& find_command(const CLI::App& program, const std::vector<std::str
   return *app;
 }
 
+CLI::Validator whole_number(const Range& range) {
+  const auto check = [range](const std::string& text) {
+    std::int64_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [read, failure] = std::from_chars(text.data(), end, number);
+    if (failure == std::errc{} && read == end && range.contains(static_cast<double>(number))) {
+      return std::string();
+    }
+    const std::string bounds = range.text();
+    return cat("must be a whole number", bounds.empty() ? "" : ", ", bounds, ", got '", text, "'");
+  };
+  return {check, ""};
+}
+
 bool use_color(int file_descriptor) {
   if (color_choice != "auto") return color_choice == "always";
   return std::getenv("NO_COLOR") == nullptr && isatty(file_descriptor) != 0;
@@ -128,6 +144,7 @@ int run_command_line(int argc, const char* const* argv) {
       "--version", [] { return cat("gust ", kVersion); }, "print the version");
   app.fallthrough();
   app.add_option("--color", color_choice, "colour the output: auto, always or never")
+      ->type_name("WORD")
       ->check(CLI::IsMember({"auto", "always", "never"}));
   int exit_code = kDone;
   for (const RegisterCommand command : commands()) command(app, exit_code);

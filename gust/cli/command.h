@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "gust/cli/text_output.h"
+#include "gust/core/fields.h"
+
 namespace gust {
 
 /// Exit codes of every command.
@@ -29,6 +32,9 @@ const CLI::App& find_command(const CLI::App& program, const std::vector<std::str
 
 /// Runs the command line and gives the exit code. A command line that is none is an Error.
 int run_command_line(int argc, const char* const* argv);
+
+/// Accepts a whole number within bounds.
+CLI::Validator whole_number(const Range& range = anything);
 
 /// Whether text on this file descriptor may be coloured: a terminal, NO_COLOR unset, and not switched off by --color.
 bool use_color(int file_descriptor);

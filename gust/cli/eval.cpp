@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gust/cli/settings.h"
+#include "gust/study/parse.h"
 #include "gust/study/policies.h"
 
 namespace gust {
@@ -70,7 +71,7 @@ std::vector<Injection> prepare_injections(const EvalRequest& request, const Sett
   table.set("site", {request.site, {"--site"}});
   table.set("waveform", {waveform, {"--set"}});
   table.set("level", value_from_text(request.level, {"--level"}));
-  injections.push_back(read_injection(table, spec));
+  injections.push_back(parse_injection(table, spec));
   return injections;
 }
 

@@ -11,6 +11,9 @@ namespace gust {
 /// --only, --seeds and --profile, which stay in force as long as `choice` lives.
 void add_choice(CLI::App& command, ReproductionChoice& choice);
 
+/// The reproduction that was asked for; what --only names twice counts once.
+Reproduction chosen_reproduction(const std::string& paper, ReproductionChoice choice);
+
 /// Where a reproduction leaves its results unless it is told: ./paper.gust, or ./paper-quick.gust for a profile
 /// "quick".
 std::string standard_folder(const Paper& paper, const ReproductionChoice& choice);

@@ -64,14 +64,17 @@ std::string run_command(const StudyFolder& folder, const Study& study) {
 
 }  // namespace
 
-void tell(const std::string& text) { fmt::print(stderr, "gust: {}\n", text); }
-
 OpenStudy open_study(const std::string& path) {
   StudyFolder folder{std::filesystem::path(path)};
   Study study = folder.open();
   auto store = std::make_unique<Store>(folder.store(), Store::Access::read, tell);
   Plan plan = plan_with_store(study, *store);
   return {std::move(folder), std::move(study), std::move(plan), std::move(store)};
+}
+
+int tell_missing(const Summary& summary) {
+  for (const std::string& missing : summary.missing) tell(cat("not in the store: ", missing));
+  return summary.missing.empty() ? kDone : kTrialFailed;
 }
 
 std::size_t thread_count(std::size_t asked) {

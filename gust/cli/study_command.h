@@ -19,9 +19,6 @@ struct OpenStudy {
 /// Opens the folder that `gust run` left; notices about damaged trials go to stderr.
 OpenStudy open_study(const std::string& path);
 
-/// Tells one line on stderr.
-void tell(const std::string& text);
-
 /// One line for each trial that did not end well; those that were skipped for want of another are counted with that
 /// one.
 std::vector<std::string> complaints(std::span<const RunOutcome> outcomes);
@@ -32,6 +29,9 @@ std::vector<std::pair<std::string, std::string>> provenance();
 /// Writes DIR/report.html and returns its path.
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
                          const std::vector<std::string>& warnings);
+
+/// Tells what the store lacks and gives the exit code.
+int tell_missing(const Summary& summary);
 
 /// Threads to use: --threads, else GUST_THREADS, else all cores.
 std::size_t thread_count(std::size_t asked);

@@ -54,6 +54,7 @@ Settings read_settings(const TrainRequest& request) {
 TrainingRun::TrainingRun(const TrainRequest& request)
     : out_(request.out), checkpoint_(request.out + ".checkpoint"), seed_(request.seed) {
   if (!out_.ends_with(".onnx")) throw Error(cat("--out: '", out_, "' must end in .onnx"));
+  if (is_stream(out_)) throw Error(cat("--out: '", out_, "' is no regular file; choose another"));
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
   agent_ = make_agent(settings.agent, setup_);
@@ -85,7 +86,8 @@ TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::functio
   }
   const bool failed = !training_->failure().empty();
   if (!failed) write_policy();
-  std::filesystem::remove(checkpoint_);
+  std::error_code ignored;
+  std::filesystem::remove(checkpoint_, ignored);
   return failed ? End::failed : End::done;
 }
 

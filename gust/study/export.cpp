@@ -47,11 +47,9 @@ std::string level_text(const Study& study, const Trial& trial, std::size_t cell)
   return cat(axes[0].values[cell / inner], "*", axes[1].values[cell % inner]);
 }
 
-void export_trial(const Study& study, const Trial& trial, const Store& store,
+void export_trial(const Study& study, const Trial& trial, const StoredTrial& stored,
                   const std::function<void(const ExportRow&)>& take) {
-  const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
-  if (!stored) throw Error(cat("'", trial.what, "' is not in the store; run the study first (gust run)"));
-  std::ifstream stream = stored->open(kRowsFile);
+  std::ifstream stream = stored.open(kRowsFile);
   RowsReader rows(stream, trial.id);
   const RowsHeader& header = rows.header();
   ExportRow row = head_of(study, trial);
@@ -76,10 +74,9 @@ void export_trial(const Study& study, const Trial& trial, const Store& store,
 /// with the object.
 class AsideFile {
  public:
-  explicit AsideFile(const fs::path& file) : path_(file.string() + ".part") {
+  explicit AsideFile(const fs::path& file) : file_(link_target(file)), path_(file_.string() + ".part") {
+    if (is_stream(file_)) throw Error(cat(file.string(), ": is no regular file"));
     std::error_code error;
-    const fs::file_status status = fs::status(file, error);
-    if (fs::exists(status) && !fs::is_regular_file(status)) throw Error(cat(file.string(), ": is no regular file"));
     fs::remove(path_, error);
   }
   ~AsideFile() {
@@ -90,12 +87,12 @@ class AsideFile {
   AsideFile& operator=(const AsideFile&) = delete;
 
   const fs::path& path() const { return path_; }
-  void replace(const fs::path& file) const {
-    if (std::rename(path_.c_str(), file.c_str()) != 0) throw file_error(file, "cannot write");
+  void replace() const {
+    if (std::rename(path_.c_str(), file_.c_str()) != 0) throw file_error(file_, "cannot write");
   }
 
  private:
-  fs::path path_;
+  fs::path file_, path_;
 };
 
 /// A small owner of an SQLite connection; every failure is an Error that names the file.
@@ -156,25 +153,36 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
 
 }  // namespace
 
-void for_each_export_row(const Study& study, const Plan& plan, const Store& store,
-                         const std::function<void(const ExportRow&)>& take) {
-  for (const Trial& trial : plan.trials) {
-    if (trial.kind == Trial::Kind::kEvaluate) export_trial(study, trial, store, take);
+std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& plan, const Store& store,
+                                             const std::function<void(const ExportRow&)>& take) {
+  std::vector<std::size_t> missing;
+  bool any = false;
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    const Trial& trial = plan.trials[i];
+    if (trial.kind != Trial::Kind::kEvaluate) continue;
+    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    any = any || stored;
+    if (stored) export_trial(study, trial, *stored, take);
+    if (!stored) missing.push_back(i);
   }
+  if (any) return missing;
+  throw Error(cat("'", plan.trials[missing.front()].what, "' is not in the store; run the study first (gust run)"));
 }
 
-void export_csv(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
+std::vector<std::size_t> export_csv(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
   AtomicFile out(file);
   out.append(cat(kExportHead, "\n"));
-  for_each_export_row(study, plan, store, [&](const ExportRow& row) {
+  std::vector<std::size_t> missing = for_each_export_row(study, plan, store, [&](const ExportRow& row) {
     out.append(csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.site, row.waveform, row.vary,
                          row.level, row.start, cat(row.episode), row.metric, cat(row.value)}));
   });
   out.commit();
+  return missing;
 }
 
-void export_sqlite(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
+std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, const Store& store, const fs::path& file) {
   const AsideFile aside(file);
+  std::vector<std::size_t> missing;
   {
     Database database(aside.path());
     database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
@@ -185,7 +193,7 @@ void export_sqlite(const Study& study, const Plan& plan, const Store& store, con
         "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, return_mean REAL, return_std REAL, "
         "length_mean REAL, anr REAL, anr_h REAL, rmse_scg REAL, protagonist_steps INTEGER)");
     database.prepare("INSERT INTO episodes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
-    for_each_export_row(study, plan, store, [&](const ExportRow& row) {
+    missing = for_each_export_row(study, plan, store, [&](const ExportRow& row) {
       const std::string* texts[] = {&row.plant, &row.preset,   &row.readings, &row.policy, &row.seed,
                                     &row.site,  &row.waveform, &row.vary,     &row.level,  &row.start};
       for (int i = 0; i < 10; ++i) database.bind(i + 1, *texts[i]);
@@ -197,7 +205,8 @@ void export_sqlite(const Study& study, const Plan& plan, const Store& store, con
     insert_learning(database, study, plan, store);
     database.execute("COMMIT");
   }
-  aside.replace(file);
+  aside.replace();
+  return missing;
 }
 
 }  // namespace gust

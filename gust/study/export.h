@@ -20,14 +20,17 @@ inline constexpr std::string_view kExportHead =
     "plant,preset,readings,policy,seed,site,waveform,vary,level,start,episode,metric,value";
 
 /// Hands over every row of every finished evaluation in plan order. A grid names both parameters in `vary` and both
-/// values in `level`, joined by "*". Throws Error if a trial of the plan is missing.
-void for_each_export_row(const Study& study, const Plan& plan, const Store& store,
-                         const std::function<void(const ExportRow&)>& take);
+/// values in `level`, joined by "*". Returns the evaluations that the store lacks, by their places in the plan; an
+/// Error if it lacks them all.
+std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& plan, const Store& store,
+                                             const std::function<void(const ExportRow&)>& take);
 
 /// The same as CSV (RFC 4180), floats in their shortest form that reads back, to a new file that appears whole.
-void export_csv(const Study& study, const Plan& plan, const Store& store, const std::filesystem::path& file);
+std::vector<std::size_t> export_csv(const Study& study, const Plan& plan, const Store& store,
+                                    const std::filesystem::path& file);
 
 /// The same and the learning curves as tables `episodes` and `learning` of an SQLite file, which is replaced.
-void export_sqlite(const Study& study, const Plan& plan, const Store& store, const std::filesystem::path& file);
+std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, const Store& store,
+                                       const std::filesystem::path& file);
 
 }  // namespace gust

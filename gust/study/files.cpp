@@ -27,6 +27,11 @@ std::vector<std::filesystem::path> matches(const std::filesystem::path& folder, 
   return found;
 }
 
+bool is_of_proc(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::weakly_canonical(path.parent_path(), error).native().starts_with("/proc/");
+}
+
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path, std::size_t most) {
@@ -43,14 +48,30 @@ std::string read_file(const std::filesystem::path& path, std::size_t most) {
   }
 }
 
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+std::filesystem::path link_target(std::filesystem::path path) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  for (int links = 0; links < kMostLinks; ++links) {
+    std::error_code no_link;
+    const std::filesystem::path target = std::filesystem::read_symlink(path, no_link);
+    if (no_link || is_of_proc(path)) return path;
+    path = path.parent_path() / target;  // an absolute one replaces what is before it
+  }
+  errno = ELOOP;
+  throw file_error(path, "cannot write");
+}
+
+bool is_stream(const std::filesystem::path& path) {
   std::error_code error;
-  const auto status = std::filesystem::status(path_, error);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    descriptor_ = open_file(path_, O_WRONLY);
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) return false;
+  return !std::filesystem::is_regular_file(status) || std::filesystem::is_symlink(link_target(path), error);
+}
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(link_target(std::move(path))) {
+  if (is_stream(path_)) {
+    descriptor_ = open_file(path_, O_WRONLY | O_APPEND);  // behind what others have written there
     return;
   }
-  if (std::filesystem::is_symlink(path_, error)) path_ = std::filesystem::weakly_canonical(path_, error);
   if (path_.has_parent_path()) make_folders(path_.parent_path());
   aside_ = path_.parent_path() / cat(".", path_.filename().string(), ".aside");
   // The name aside is always the same, so that a killed program leaves one file at most, which the next one takes over.

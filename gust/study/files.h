@@ -13,10 +13,19 @@ namespace gust {
 /// than a gigabyte; the limit is against /dev/zero and the like.
 std::string read_file(const std::filesystem::path& path, std::size_t most = std::size_t{1} << 30);
 
+/// What may be written in place of a path: where its links end, whether anything is there or not. A link of /proc, as
+/// /dev/stdout is one, is not followed: what it stands for is open already, and need not have a name.
+std::filesystem::path link_target(std::filesystem::path path);
+
+/// Whether a path is, or leads to, something that is there and can only be written through: a device, a pipe, or what
+/// is open already.
+bool is_stream(const std::filesystem::path& path);
+
 /// A file that is replaced whole or not at all: written aside in the same folder, synced, renamed, the folder synced.
 ///
-/// Folders above it are made. A link is followed; what is no regular file, such as /dev/stdout, is written directly.
-/// Failures are Errors that name the file and the reason. What is not committed leaves the old file as it was.
+/// Folders above it are made. A link is followed, also one to nothing; a stream such as /dev/stdout is written
+/// directly. Failures are Errors that name the file and the reason. What is not committed leaves the old file as it
+/// was.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

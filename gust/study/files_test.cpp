@@ -1,6 +1,7 @@
 #include "gust/study/files.h"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <thread>
@@ -74,6 +75,38 @@ TEST_CASE("a link is followed, and what is no regular file is written directly")
   CHECK(fs::is_symlink(folder / "link"));
   CHECK(get_file(folder / "there/target") == "new");
   CHECK(fs::is_character_file(fs::status(folder / "hole")));
+}
+
+TEST_CASE("a link to nothing is followed, through others, and stays") {
+  const TestFolder folder;
+  fs::create_directories(folder / "there");
+  fs::create_symlink("there/second", folder / "first");
+  fs::create_symlink("target", folder / "there/second");
+  fs::create_symlink("loop", folder / "loop");
+
+  write_file_atomically(folder / "first", "new");
+
+  CHECK(fs::is_symlink(folder / "first"));
+  CHECK(fs::is_symlink(folder / "there/second"));
+  CHECK(get_file(folder / "there/target") == "new");
+  CHECK(message_of([&] { write_file_atomically(folder / "loop", "x"); }).find("Too many levels of symbolic links") !=
+        std::string::npos);
+}
+
+TEST_CASE("what is open already is written through its link, behind what is there, and a closed one is an error") {
+  const TestFolder folder;
+  put_file(folder / "file", "old, ");
+  const Descriptor open = open_file(folder / "file", O_RDONLY);
+  fs::create_symlink(cat("/proc/self/fd/", open.get()), folder / "open");
+  fs::create_symlink("/proc/self/fd/999", folder / "closed");
+
+  write_file_atomically(folder / "open", "new");
+
+  CHECK(get_file(folder / "file") == "old, new");
+  CHECK(is_stream(folder / "open"));
+  CHECK_FALSE(is_stream(folder / "file"));
+  CHECK(message_of([&] { write_file_atomically(folder / "closed", "x"); }).find("cannot write") != std::string::npos);
+  CHECK(fs::is_symlink(folder / "closed"));
 }
 
 TEST_CASE("errors name the file and the reason") {

@@ -50,12 +50,20 @@ std::string read_kept(const fs::path& folder, const KeptFile& file) {
   return bytes;
 }
 
-/// Whether a folder is a result of ours, or empty; another run may just be making it, or have been killed while it did.
+bool is_there(const fs::path& path) {
+  std::error_code unknown;
+  return fs::exists(path, unknown);
+}
+
+bool holds_reproduction(const fs::path& folder) { return is_there(folder / "reproduction.json"); }
+
+/// Whether a folder is a result of ours, empty or not there; another run may just be making it, or have been killed
+/// while it did.
 bool is_ours(const fs::path& folder) {
-  if (!fs::exists(folder)) return true;
   bool foreign = false;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    const std::string name = at->path().filename().string();
     if (name == kStudyFile || name == kInputsFile || name == kInputsFolder || name == "store") return true;
     foreign = foreign || !name.starts_with('.');
   }
@@ -89,10 +97,11 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
 
 void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
   const fs::path text = path_ / kStudyFile;
-  if (fs::exists(path_) && !fs::is_directory(path_))
+  std::error_code unknown;
+  if (is_there(path_) && !fs::is_directory(path_, unknown))
     throw Error(cat(path_.string(), ": is not a folder; choose another --out"));
   if (!is_ours(path_)) throw Error(cat(path_.string(), ": is not empty and no result of gust; choose another --out"));
-  if (fs::exists(path_ / "reproduction.json"))
+  if (holds_reproduction(path_))
     throw Error(cat(path_.string(), ": holds what 'gust reproduce' found; choose another --out"));
   Json patterns = Json::array();
   for (const std::vector<StudyPolicy::File>& files : study.found) {
@@ -104,15 +113,20 @@ void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
     }
     patterns.push_back(found);
   }
-  write_file_atomically(
-      path_ / kInputsFile,
-      Json{{"study", inputs.study}, {"settings", inputs.settings}, {"files", patterns}}.dump(2) + "\n");
+  write_file_atomically(path_ / kInputsFile,
+                        Json{{"study", inputs.study}, {"settings", inputs.settings}, {"files", patterns}}.dump(
+                            2, ' ', false, Json::error_handler_t::replace) +
+                            "\n");
   write_file_atomically(text, study.text);
 }
 
 Study StudyFolder::open() const {
   const fs::path text = path_ / kStudyFile;
-  if (!fs::exists(text) || !fs::exists(path_ / kInputsFile))
+  const bool whole = is_there(text) && is_there(path_ / kInputsFile);
+  if (!whole && holds_reproduction(path_))
+    throw Error(cat(path_.string(), ": holds what 'gust reproduce' found, and no single study; 'gust report ",
+                    shell_word(path_.string()), "' writes its page, its tables are the files READING/STUDY.csv"));
+  if (!whole)
     throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' or 'gust reproduce' left"));
   const KeptInputs inputs = read_inputs(path_);
   std::size_t asked = 0;

@@ -196,7 +196,9 @@ void read_pack_file(const fs::path& file, PackVisitor& visitor) {
 
 /// Whether a pack may be written there: over nothing else than a pack.
 bool may_replace(const fs::path& file) {
-  if (!fs::exists(file)) return true;
+  std::error_code unknown;
+  const fs::file_status status = fs::status(file, unknown);
+  if (!fs::is_regular_file(status)) return !fs::exists(status);
   std::ifstream stream(file, std::ios::binary);
   std::string magic(kMagic.size(), '\0');
   stream.read(magic.data(), static_cast<std::streamsize>(magic.size()));
@@ -210,9 +212,8 @@ PackCount pack_store(const Store& store, const fs::path& file, std::string_view 
   for (const auto& [kind, id] : store.trials()) {
     if (!only_kind.empty() && kind != only_kind) continue;
     const std::optional<StoredTrial> trial = store.load(kind, id);
-    if (!trial) continue;
-    add_trial(output, *trial);
-    ++count.trials;
+    if (trial) add_trial(output, *trial);
+    ++(trial ? count.trials : count.damaged);
   }
   output.add_length(0);
   count.bytes = output.finish();
@@ -227,7 +228,8 @@ void check_pack(const fs::path& file) {
 PackCount unpack_store(const fs::path& file, const Store& store) {
   Unpacker unpacker(store);
   read_pack_file(file, unpacker);
-  unpacker.count.bytes = fs::file_size(file);
+  std::error_code unknown;
+  unpacker.count.bytes = fs::file_size(file, unknown);
   return unpacker.count;
 }
 

@@ -14,11 +14,12 @@ namespace gust {
 struct PackCount {
   std::size_t trials = 0;   ///< written
   std::size_t present = 0;  ///< left alone, because the store already had them whole
+  std::size_t damaged = 0;  ///< left out of the pack
   std::uint64_t bytes = 0;  ///< size of the pack
 };
 
 /// Writes every finished trial of a store, or those of one kind, into one compressed file. Equal trials give equal
-/// bytes, whatever the order in which they were made. A damaged trial is left out and reported.
+/// bytes, whatever the order in which they were made. A damaged trial is left out, counted and reported.
 PackCount pack_store(const Store& store, const std::filesystem::path& file, std::string_view only_kind = {});
 
 /// Reads a pack to its end. One that is damaged, or made to do harm, is an Error.

@@ -96,12 +96,15 @@ TEST_CASE("a pack is put over nothing else than a pack") {
   pack_store(store, folder / "a.pack");
   commit_trial(store, "sweep", "a", "numbers");
   put_file(folder / "thesis.txt", "mine");
+  fs::create_symlink("/dev/null", folder / "device");
 
   CHECK(pack_store(store, folder / "a.pack").trials == 1);
   CHECK(message_of([&] {
           pack_store(store, folder / "thesis.txt");
         }).ends_with("exists and is no pack; choose another name"));
   CHECK(get_file(folder / "thesis.txt") == "mine");
+  CHECK(message_of([&] { pack_store(store, folder / "device"); }).ends_with("is no pack; choose another name"));
+  CHECK(message_of([&] { pack_store(store, folder / std::string(300, 'x')); }).ends_with("File name too long"));
 }
 
 TEST_CASE("packing leaves a damaged trial out, and unpacking puts it right") {
@@ -113,7 +116,9 @@ TEST_CASE("packing leaves a damaged trial out, and unpacking puts it right") {
   pack_store(store, folder / "both.pack");
   put_file(folder / "s/sweep/a/rows.bin", "numbars");
 
-  CHECK(pack_store(Store(folder / "s", Store::Access::read), folder / "one.pack").trials == 1);
+  const PackCount packed = pack_store(Store(folder / "s", Store::Access::read), folder / "one.pack");
+  CHECK(packed.trials == 1);
+  CHECK(packed.damaged == 1);
   CHECK(pack_store(Store(folder / "s", Store::Access::read), folder / "none.pack", "no such kind").trials == 0);
   const PackCount count = unpack_store(folder / "both.pack", store);
 

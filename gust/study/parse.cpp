@@ -189,12 +189,25 @@ std::int64_t optional_int(const Table& table, std::string_view key, std::int64_t
   return standard;
 }
 
+Injection parse_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also) {
+  const Value* channels = table.find("channels");
+  const Value* mask = table.find("mask");
+  if (channels && mask) throw error_at(mask->place, "'mask' and 'channels' say the same; give one of them");
+  Injection injection = read_injection(table, spec, also);
+  if (std::ranges::any_of(injection.factors, [](double factor) { return factor != 0; })) return injection;
+  std::vector<std::string> names;
+  for (const Component& channel : channels_of(injection.site, spec)) names.push_back(channel.name);
+  const Value* chosen = mask ? mask : channels;
+  throw error_at(chosen ? chosen->place : table.place, "disturbs nothing; choose at least one of the channels ",
+                 join(names, ", "), " with a factor that is not 0");
+}
+
 std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec) {
   std::vector<Injection> injections;
   for (const Value& item : list.as_list("disturb")) {
     const Table& table = item.as_table("disturb");
     if (!table.contains("level")) throw error_at(table.place, "a disturbance that is always on needs a 'level'");
-    injections.push_back(read_injection(table, spec));
+    injections.push_back(parse_injection(table, spec));
   }
   return injections;
 }

@@ -8,7 +8,8 @@ inline constexpr std::int64_t kMostSeeds = 10'000;  ///< of a training
 
 // The parts of parse_study, one file each.
 
-/// Replaces one value of a parsed text: "path.to.key=value". A list of tables is entered by the name or id of a table.
+/// Replaces one value of a parsed text: "path.to.key=value", any part of the path in quotes. A list of tables is
+/// entered by the name or id of a table.
 void apply_setting(Table& study, const std::string& setting);
 
 /// [[policy]]; `study` already has its setup.
@@ -25,6 +26,9 @@ StudyClaim parse_claim_of(const Table& table, const Study& study);
 
 /// [report]; `study` already has its policies.
 void parse_report(const Table& table, const FindFiles& find, Study& study);
+
+/// An injection as read_injection() reads it; one that reaches no channel is an Error, for it disturbs nothing.
+Injection parse_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also = {});
 
 /// "disturb = [ … ]": injections that are always on, each with its level.
 std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec);

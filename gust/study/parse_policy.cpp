@@ -105,6 +105,7 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
     policy.randomised = parse_randomise(*randomise, study.setup);
     options.erase("randomise");
   }
+  if (const Value* kind = options.find("kind")) agents().at(kind->as_text("kind"), kind->place);
   policy.agent = make_agent(options, study.setup);
   policy.agent->check(study.setup.plant->spec(), agent->place);
   policy.alpha = parse_level(table);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "gust/study/parse.h"
 
@@ -6,6 +7,15 @@ namespace gust {
 namespace {
 
 constexpr std::size_t kMostCells = 2'000'000;
+
+/// Far numbers overflow and near ones run together.
+void check_ascending(const std::vector<double>& values, std::string_view what, const Place& place) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) throw error_at(place, "'", what, "' must be finite numbers, got ", values[i]);
+    if (i > 0 && !(values[i - 1] < values[i]))
+      throw error_at(place, "'", what, "' must ascend, got ", values[i - 1], " before ", values[i]);
+  }
+}
 
 std::vector<double> spaced(const Table& table, std::string_view what) {
   check_keys(table, {"from", "to", "count"}, what);
@@ -19,11 +29,14 @@ std::vector<double> spaced(const Table& table, std::string_view what) {
   const double low = from->as_number("from");
   const double high = to->as_number("to");
   if (points > 1 && !(low < high)) throw error_at(to->place, "'to' must be above 'from', got ", low, " and ", high);
+  if (!std::isfinite(high - low))
+    throw error_at(to->place, "'from' and 'to' lie too far apart, got ", low, " and ", high);
   std::vector<double> values;
   for (std::int64_t i = 0; i < points; ++i) {
     const double share = points == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(points - 1);
     values.push_back(i == points - 1 && points > 1 ? high : low + (high - low) * share);
   }
+  check_ascending(values, what, table.place);
   return values;
 }
 
@@ -35,6 +48,7 @@ Sweep::Axis parameter_axis(const std::string& name, const Value& values, double 
     value *= unit;
     if (!(value > 0)) throw error_at(values.place, "'", name, "' must be > 0, got ", value);
   }
+  check_ascending(axis.values, name, values.place);
   return axis;
 }
 
@@ -58,7 +72,7 @@ void parse_grid(const Table& table, const Study& study, Sweep& sweep) {
   const Table& grid = table.find("grid")->as_table("grid");
   if (grid.items.size() != 2) throw error_at(grid.place, "'grid' needs two axes, got ", grid.items.size());
   if (grid.contains("level")) {
-    sweep.injection = read_injection(table, study.setup.plant->spec(), {"name", "grid", "params", "disturb"});
+    sweep.injection = parse_injection(table, study.setup.plant->spec(), {"name", "grid", "params", "disturb"});
   } else {
     check_keys(table, {"name", "grid", "params", "disturb"}, "a sweep over a grid");
   }
@@ -73,7 +87,7 @@ void parse_disturbance(const Table& table, const Study& study, Sweep& sweep) {
   if (levels == nullptr)
     throw error_at(table.place, "sweep '", sweep.name, "' needs 'levels', such as { from = 0, to = 15, count = 11 }");
   if (table.contains("level")) throw error_at(table.find("level")->place, "a sweep has 'levels', not a 'level'");
-  sweep.injection = read_injection(table, study.setup.plant->spec(), {"name", "levels", "params", "disturb"});
+  sweep.injection = parse_injection(table, study.setup.plant->spec(), {"name", "levels", "params", "disturb"});
   const auto* word = std::get_if<std::string>(&levels->data);
   if (word != nullptr && *word != "auto")
     throw error_at(levels->place, "'levels' must be a list, a range or \"auto\", got '", *word, "'");
@@ -110,11 +124,7 @@ std::vector<double> parse_levels(const Value& value, std::string_view what) {
   if (const auto* table = std::get_if<Table>(&value.data)) return spaced(*table, what);
   std::vector<double> levels = value.as_numbers(what);
   if (levels.empty()) throw error_at(value.place, "'", what, "' must not be empty");
-  for (std::size_t i = 1; i < levels.size(); ++i) {
-    if (!(levels[i - 1] < levels[i])) {
-      throw error_at(value.place, "'", what, "' must ascend, got ", levels[i - 1], " before ", levels[i]);
-    }
-  }
+  check_ascending(levels, what, value.place);
   return levels;
 }
 

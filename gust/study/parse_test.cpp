@@ -48,6 +48,17 @@ TEST_CASE("what is wrong in a study is told with its place and what would be rig
       {"[0, 5, 30]", "[0, nan]", "'levels' must be a finite number, got nan"},
       {"[0, 5, 30]", "[0, inf]", "'levels' must be a finite number, got inf"},
       {"[0, 5, 30]", "\"most\"", "'levels' must be a list, a range or \"auto\", got 'most'"},
+      {"[0, 5, 30]", "{ from = -1.7e308, to = 1.7e308, count = 3 }",
+       "small.toml:21:34: 'from' and 'to' lie too far apart, got -1.7e+308 and 1.7e+308"},
+      {"[0, 5, 30]", "{ from = 0, to = 5e-324, count = 5 }", "small.toml:21:10: 'levels' must ascend, got 0 before 0"},
+      {"levels = [0, 5, 30]", "levels = [0, 5, 30]\nchannels = []",
+       "small.toml:22:12: disturbs nothing; choose at least one of the channels force"},
+      {"levels = [0, 5, 30]", "levels = [0, 5, 30]\nchannels = {}", "small.toml:22:12: disturbs nothing; "},
+      {"levels = [0, 5, 30]", "levels = [0, 5, 30]\nmask = [0]", "small.toml:22:8: disturbs nothing; "},
+      {"levels = [0, 5, 30]", "levels = [0, 5, 30]\nmask = [1]\nchannels = \"all\"",
+       "small.toml:22:8: 'mask' and 'channels' say the same; give one of them"},
+      {"kind = \"zero\"", "kind = \"train\"\nagent = { kind = \"poo\" }",
+       "small.toml:16:18: unknown agent 'poo'; did you mean 'ppo'? (gust list agents)"},
       {"offset = 2", "offset = -2", "'offset' must be >= 0, got -2"},
       {"offset = 2", "offset = 250", "'offset' must lie within the episode of 250 control steps, got 250"},
       {"offset = 2", "offset = 2.5", "'offset' must be a whole number, got 2.5"},
@@ -132,7 +143,26 @@ TEST_CASE("settings replace what the text says, tables in a list by their name")
   CHECK(study.setup.plant->spec().parameters[0].nominal == 0.7);
 }
 
-TEST_CASE("a setting that leads nowhere is an error") {
+TEST_CASE("a setting names in quotes what holds a dot or an equals sign") {
+  const std::string text = changed("\"push\"", "\"params x1.5 = a\"");
+
+  CHECK(small_study({"sweep.\"params x1.5 = a\".levels=[1, 2]"}, text).sweeps[0].axes[0].values.back() == 2);
+  CHECK(small_study({"sweep.'params x1.5 = a'.levels=[3]"}, text).sweeps[0].axes[0].values.back() == 3);
+}
+
+TEST_CASE("a setting that leads nowhere is an error with what is near") {
+  const auto error_with = [](const std::string& setting) {
+    try {
+      small_study({setting});
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+
+  CHECK(error_with("sweep.psuh.levels=[1]").ends_with("the study has no 'psuh' there; did you mean 'push'?"));
+  CHECK(error_with("sweep.\"push.levels=[1]").ends_with("a quote is not closed"));
+  CHECK(error_with("sweep..levels=[1]").ends_with("a setting reads key=value, such as evaluate.episodes=5"));
   CHECK_THROWS_AS(small_study({"sweep.pull.levels=[1]"}), Error);
   CHECK_THROWS_AS(small_study({"evaluate.episoeds=5"}), Error);
   CHECK_THROWS_AS(small_study({"nonsense"}), Error);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace gust {
 namespace {
@@ -28,6 +29,17 @@ void warn_of_axis(const Study& study, const Sweep& sweep, const Sweep::Axis& axi
   const std::string what =
       cat("sweep '", sweep.name, "': ", outside, " of ", axis.values.size(), " values of ", axis.parameter, " lie");
   warnings.push_back(out_of_reach(study.setup, axis.index, what));
+}
+
+/// Injections whose window closes before their shape begins.
+void warn_of_windows(std::span<const Injection> injections, const std::string& whose,
+                     std::vector<std::string>& warnings) {
+  for (const Injection& injection : injections) {
+    if (injection.end > injection.waveform->onset()) continue;
+    warnings.push_back(cat(whose, ": the ", site_name(injection.site), " ", injection.waveform.kind,
+                           " disturbs nothing: its window ends at step ", injection.end, ", its shape begins at step ",
+                           injection.waveform->onset()));
+  }
 }
 
 bool starts_failed(const StartProtocol& start, const PlantSpec& spec) {
@@ -77,7 +89,9 @@ std::vector<std::string> study_warnings(const Study& study) {
     if (starts_failed(start, study.setup.plant->spec()))
       warnings.push_back(cat("start '", start.name, "' lies beyond the bounds at which an episode fails"));
   }
+  warn_of_windows(study.always, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
+    warn_of_windows(policy.disturbed, cat("policy '", policy.name, "'"), warnings);
     for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));
   }
@@ -85,8 +99,10 @@ std::vector<std::string> study_warnings(const Study& study) {
     for (const Sweep::Axis& axis : sweep.axes) {
       if (!axis.parameter.empty()) warn_of_axis(study, sweep, axis, warnings);
     }
+    if (sweep.injection) warn_of_windows({&*sweep.injection, 1}, cat("sweep '", sweep.name, "'"), warnings);
+    warn_of_windows(sweep.disturbed, cat("sweep '", sweep.name, "'"), warnings);
     const std::vector<double>& levels = sweep.axes.front().values;
-    if (sweep.injection && levels.size() > 1 && levels.front() != 0)
+    if (sweep.along_levels() && levels.size() > 1 && levels.front() != 0)
       warnings.push_back(cat("sweep '", sweep.name, "' begins at level ", levels.front(),
                              ": its margins are falls from the score there, not from the undisturbed one"));
   }

@@ -53,11 +53,25 @@ TEST_CASE("draws that reach masses that cannot hover are told, for each policy t
   CHECK(warnings_of("none", trained_over("{ low = 0.025, high = 0.03 }")).empty());
 }
 
+TEST_CASE("a window that closes before the shape begins is told, of a sweep and of what is always on") {
+  const std::string late = "[{ site = \"action\", waveform = { kind = \"step\", offset = 9 }, end = 9, level = 1 }]";
+
+  CHECK(study_warnings(small_study({"sweep.push.end=3"})).empty());
+  CHECK(study_warnings(small_study({"sweep.push.end=2"})) ==
+        Warnings{"sweep 'push': the action step disturbs nothing: its window ends at step 2, its shape begins at step "
+                 "2"});
+  CHECK(study_warnings(small_study({"evaluate.disturb=" + late})) ==
+        Warnings{"evaluate: the action step disturbs nothing: its window ends at step 9, its shape begins at step 9"});
+}
+
 TEST_CASE("a sweep that does not begin undisturbed and a start that has failed already are told") {
   CHECK(study_warnings(small_study()).empty());
   CHECK(study_warnings(small_study({"sweep.push.levels=[5, 30]", "sweep.noise.levels=[1]"})) ==
         Warnings{"sweep 'push' begins at level 5: its margins are falls from the score there, not from the undisturbed "
                  "one"});
+  CHECK(study_warnings(
+            small_study({}, changed("levels = [0, 5, 30]", "grid = { pole_length = [0.5, 1], level = [0, 3] }")))
+            .empty());  // a grid has no margins
   CHECK(study_warnings(small_study({"evaluate.start={ x = 3.0 }"})) ==
         Warnings{"start 'x=3' lies beyond the bounds at which an episode fails"});
 }

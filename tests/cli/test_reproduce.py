@@ -190,22 +190,59 @@ def test_so_far_judges_what_is_there_and_runs_nothing(gust, tmp_path, small):
     assert tables(tmp_path / "some/paper-quick.gust") == tables(small[0] / "paper-quick.gust")
     (tmp_path / "some/paper-quick.gust/reproduction.json").unlink()  # as if it had been stopped
 
-    done = gust(*so_far, cwd=tmp_path / "some")
+    done = gust(*so_far, cwd=tmp_path / "some", code=1)
     assert done.stderr == ""
     assert done.stdout.startswith("A miniature: 10 % of the training steps, 1 seed of each training, "
                                   "2 known trials are still to be run.")
     assert len(list((tmp_path / "some/paper-quick.gust/store/train").iterdir())) == len(trained) - 1
     assert "2 known trials are still to be run" in (tmp_path / "some/paper-quick.gust/report.html").read_text()
 
+    reported = gust("report", "some/paper-quick.gust", code=1).stderr
+    assert reported.startswith("gust: A miniature: ") and reported.endswith("2 known trials are still to be run.\n")
+
     gust(*QUICK, "--only", "table-dr", "--seeds", "1", cwd=tmp_path / "some", seconds=120)
     assert tables(tmp_path / "some/paper-quick.gust") == tables(small[0] / "paper-quick.gust")
 
 
+def test_a_report_of_trials_that_failed_names_them(gust, tmp_path, small):
+    shutil.copytree(small[0] / "paper-quick.gust", tmp_path / "copy", ignore=shutil.ignore_patterns("store"))
+    description = tmp_path / "copy/reproduction.json"
+    text = description.read_text()
+    assert '"failures": []' in text
+    description.write_text(text.replace('"failures": []', '"failures": ["failed: train sac seed 1"]'))
+
+    done = gust("report", "copy", code=1)
+
+    assert (done.stdout, done.stderr) == ("copy/report.html\n", "gust: failed: train sac seed 1\n")
+
+
 def test_so_far_of_nothing_tests_no_claim(gust, tmp_path):
-    done = gust(*QUICK, "--only", "white", "--only", "training-noise", "--only", "step", "--so-far", "--json", seconds=60)
+    done = gust(*QUICK, "--only", "white", "--only", "training-noise", "--only", "step", "--so-far", "--json", code=1,
+                seconds=60)
     answer = json.loads(done.stdout)
     assert {claim["verdict"] for claim in answer["claims"] if claim["reading"] != "as printed"} == {"not testable"}
     assert {claim["seeds"] for claim in answer["claims"]} == {0}
     assert answer["missing"] > 100 and "known trials are still to be run" in answer["label"]
-    gust("report", "paper-quick.gust")
+    gust("report", "paper-quick.gust", code=1)
     assert "known trials are still to be run" in (tmp_path / "paper-quick.gust/reproduce.md").read_text()
+
+
+@pytest.mark.parametrize("command", [("show", "r"), ("export", "r", "--csv", "x.csv"), ("eval", "lqr", "--study", "r")])
+def test_what_reads_a_study_says_what_would_be_right_for_a_reproduction(gust, tmp_path, command):
+    (tmp_path / "r").mkdir()
+    (tmp_path / "r/reproduction.json").write_text("{}")
+
+    assert gust(*command, code=2).stderr == (
+        "gust: r: holds what 'gust reproduce' found, and no single study; 'gust report r' writes its page, its tables "
+        "are the files READING/STUDY.csv\n")
+
+
+def test_a_part_that_is_asked_for_twice_counts_once(gust):
+    only = (*QUICK, "--json", "--only", "disturbances")
+    assert gust(*only, "--only", "disturbances").stdout == gust(*only).stdout  # in the folder of the first
+
+
+@pytest.mark.parametrize("command", ["plan", "reproduce"])
+def test_help_names_the_profiles_and_the_folder(gust, command):
+    text = gust(command, "--help").stdout
+    assert "--profile paper|quick" in text and "--out DIR" in text

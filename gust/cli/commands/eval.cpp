@@ -54,9 +54,10 @@ void add_options(CLI::App& command, EvalRequest& request) {
       ->capture_default_str()
       ->type_name("WORD");
   command.add_option("--episodes", request.episodes, "how many (default: the study's; 25 from random starts, else 1)")
+      ->check(whole_number())
       ->type_name("N");
   command.add_option("--seed", request.seed, "of all that is random")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(whole_number(non_negative))
       ->capture_default_str()
       ->type_name("N");
 }

@@ -1,11 +1,32 @@
 #include "gust/study/export.h"
 
+#include <map>
+
 #include "gust/cli/command.h"
 #include "gust/cli/study_command.h"
+#include "gust/study/trials.h"
 
 namespace gust {
+namespace {
 
-void command_export(CLI::App& app, int&) {
+/// Tells which evaluations a table lacks, those of a training that failed together, and gives the exit code.
+int tell_what_lacks(const OpenStudy& open, const std::vector<std::size_t>& missing) {
+  std::map<std::string, std::size_t> of_failed;
+  for (const std::size_t i : missing) {
+    const Trial& trial = open.plan.trials[i];
+    const std::optional<std::string> failure = training_failure(open.plan, trial, *open.store);
+    if (failure) ++of_failed[cat(open.plan.trials[trial.inputs.front()].what, " failed: ", *failure)];
+    if (!failure) tell(cat("not in the store: ", trial.what));
+  }
+  for (const auto& [training, count] : of_failed)
+    tell(cat(training, "; ", count, count == 1 ? " trial" : " trials", " of it missing"));
+  if (!open.plan.complete) tell("not in the store: what needs automatic levels that were not found");
+  return missing.empty() && open.plan.complete ? kDone : kTrialFailed;
+}
+
+}  // namespace
+
+void command_export(CLI::App& app, int& exit_code) {
   struct Options {
     std::string folder, csv, sqlite;
   };
@@ -18,13 +39,15 @@ void command_export(CLI::App& app, int&) {
   csv->type_name("FILE");
   sqlite->type_name("FILE");
   command->footer("Example:\n  gust export demo.gust --csv demo.csv");
-  command->callback([options] {
+  command->callback([options, &exit_code] {
     if (options->csv.empty() && options->sqlite.empty())
       throw Error("where to? give --csv FILE, --sqlite FILE, or both (gust export --help)");
     if (options->csv == options->sqlite) throw Error("--csv and --sqlite: name two files");
     const OpenStudy open = open_study(options->folder);
-    if (!options->csv.empty()) export_csv(open.study, open.plan, *open.store, options->csv);
-    if (!options->sqlite.empty()) export_sqlite(open.study, open.plan, *open.store, options->sqlite);
+    std::vector<std::size_t> missing;
+    if (!options->csv.empty()) missing = export_csv(open.study, open.plan, *open.store, options->csv);
+    if (!options->sqlite.empty()) missing = export_sqlite(open.study, open.plan, *open.store, options->sqlite);
+    exit_code = tell_what_lacks(open, missing);
   });
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -38,6 +39,7 @@ class PlanTeller {
       if (!told_.insert(trial.id).second) continue;
       const bool done = store_ != nullptr && store_->has(kind_name(trial.kind), trial.id);
       seconds_ += done ? 0 : trial.seconds;
+      longest_ = std::max(longest_, done ? 0 : trial.seconds);
       missing_ += done ? 0 : 1;
       tell_trial(trial, done, under);
     }
@@ -45,7 +47,10 @@ class PlanTeller {
 
   void finish() const {
     if (json_) fmt::print("{}\n", list_.dump(2, ' ', false, Json::error_handler_t::replace));
+    const std::size_t threads = thread_count(0);  // as many as a run would take
+    const double together = std::max(longest_, seconds_ / static_cast<double>(threads));
     tell(cat(told_.size(), " trials, ", missing_, " missing, about ", duration_text(seconds_), " on one core",
+             threads == 1 ? "" : cat(", ", duration_text(together), " on ", threads),
              complete_ ? "" : "; more follow once the automatic levels are found"));
   }
 
@@ -59,7 +64,8 @@ class PlanTeller {
                        {"done", done},
                        {"seconds", trial.seconds}});
     } else {
-      fmt::print("{:<7}  {:>7.1f} s  {:<62}  {}\n", done ? "done" : "missing", trial.seconds, trial.id, what);
+      print_lines(fmt::format("{:<7}  {:>7.1f} s  {:<62}  {}\n", done ? "done" : "missing", trial.seconds, trial.id,
+                              printable(what)));
     }
   }
 
@@ -69,6 +75,7 @@ class PlanTeller {
   std::set<std::string> told_;
   std::size_t missing_ = 0;
   double seconds_ = 0;
+  double longest_ = 0;  ///< of one trial
   bool complete_ = true;
 };
 
@@ -88,7 +95,7 @@ void plan_study(const Options& options) {
 }
 
 void plan_paper(const Options& options) {
-  Reproduction reproduction = open_reproduction(paper_at(options.study), options.choice);
+  Reproduction reproduction = chosen_reproduction(options.study, options.choice);
   const std::unique_ptr<Store> store =
       store_at(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
   PlanTeller teller(store.get(), options.json);
@@ -106,13 +113,14 @@ void command_plan(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("plan", "Lists the trials of a study or of a reproduction and runs nothing");
   command->add_option("STUDY", options->study, "the study, a TOML file; or 'paper'")->required();
-  command->add_option("--out", options->out, "result folder (default: ./NAME.gust)");
+  command->add_option("--out", options->out, "result folder (default: ./NAME.gust)")->type_name("DIR");
   command->add_option("--set", options->settings, "replace a value of the study: key=value")->type_name("KEY=VALUE");
   add_choice(*command, options->choice);
   command->add_flag("--json", options->json, "as a JSON array");
   command->footer("Examples:\n  gust plan studies/demo.toml\n  gust plan paper --profile quick");
   command->callback([options] {
-    const bool is_paper = options->study == "paper" && !std::filesystem::is_regular_file(options->study);
+    std::error_code unknown;
+    const bool is_paper = options->study == "paper" && !std::filesystem::is_regular_file(options->study, unknown);
     if (is_paper && !options->settings.empty()) throw Error("--set is for a study; a paper has --profile and --seeds");
     const ReproductionChoice& choice = options->choice;
     if (!is_paper && (!choice.only.empty() || choice.seeds || choice.profile != ReproductionChoice{}.profile))

@@ -133,7 +133,7 @@ void command_preview(CLI::App& app, int&) {
                            " control steps at ", spec.control_rate, " Hz\n");
     text += preview_always(study) + preview_training(study);
     for (std::size_t i = 0; i < study.sweeps.size(); ++i) text += preview_sweep(study, i);
-    fmt::print("{}", text);
+    print_lines(text);
   });
 }
 

@@ -1,10 +1,20 @@
-#include <fmt/format.h>
-
 #include "gust/cli/command.h"
 #include "gust/cli/reproduction_command.h"
 #include "gust/cli/study_command.h"
 
 namespace gust {
+namespace {
+
+/// Of a reproduction, from its tables. Tells which trials they lack and gives the exit code.
+int report_reproduction(const std::filesystem::path& folder) {
+  const PaperResults results = read_results(folder);
+  print_lines(cat(write_reproduction(results, folder), "\n"));
+  for (const std::string& line : results.failures) tell(line);
+  if (results.missing > 0) tell(results.label());
+  return results.failures.empty() && results.missing == 0 ? kDone : kTrialFailed;
+}
+
+}  // namespace
 
 void command_report(CLI::App& app, int& exit_code) {
   auto folder = std::make_shared<std::string>();
@@ -13,13 +23,13 @@ void command_report(CLI::App& app, int& exit_code) {
   command->footer("Example:\n  gust report demo.gust");
   command->callback([folder, &exit_code] {
     if (holds_results(*folder)) {
-      fmt::print("{}\n", write_reproduction(read_results(*folder), *folder));
+      exit_code = report_reproduction(*folder);
       return;
     }
     const OpenStudy open = open_study(*folder);
     const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
-    fmt::print("{}\n", write_report(open.folder, open.study, summary, {}));
-    if (!summary.missing.empty()) exit_code = kTrialFailed;
+    print_lines(cat(write_report(open.folder, open.study, summary, {}), "\n"));
+    exit_code = tell_missing(summary);
   });
 }
 

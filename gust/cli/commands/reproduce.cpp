@@ -148,7 +148,7 @@ void check_progress(const std::filesystem::path& folder, const std::vector<RunOu
 }
 
 int reproduce(Options& options) {
-  Reproduction reproduction = open_reproduction(paper_at(options.paper), options.choice);
+  Reproduction reproduction = chosen_reproduction(options.paper, options.choice);
   check_claims(reproduction);
   const StudyFolder folder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
   check_folder(folder.path(), reproduction);
@@ -173,8 +173,8 @@ int reproduce(Options& options) {
     tell(error.what());
   }
   fmt::print("{}", options.json ? verdicts_json(results) + "\n" : verdicts_text(results));
-  if (!options.json && !page.empty()) fmt::print("\nPage: {}\n", page);
-  return results.failures.empty() && !page.empty() ? kDone : kTrialFailed;
+  if (!options.json && !page.empty()) print_lines(cat("\nPage: ", page, "\n"));
+  return results.failures.empty() && results.missing == 0 && !page.empty() ? kDone : kTrialFailed;
 }
 
 }  // namespace
@@ -183,8 +183,20 @@ void add_choice(CLI::App& command, ReproductionChoice& choice) {
   command.add_option("--only", choice.only, "of a paper: a figure or table by the name of its study; may be repeated")
       ->type_name("NAME");
   command.add_option("--seeds", choice.seeds, "of a paper: seeds of every training, 1 to N (default: the profile's)")
-      ->check(CLI::Range(1, 10'000));
-  command.add_option("--profile", choice.profile, "of a paper: how much; quick is a miniature (default: paper)");
+      ->check(whole_number(between(1, 10'000)))
+      ->type_name("N");
+  command
+      .add_option("--profile", choice.profile, "of a paper: how much: paper, or quick, a miniature (default: paper)")
+      ->type_name("paper|quick");
+}
+
+Reproduction chosen_reproduction(const std::string& paper, ReproductionChoice choice) {
+  std::vector<std::string> once;
+  for (const std::string& name : choice.only) {
+    if (std::ranges::find(once, name) == once.end()) once.push_back(name);
+  }
+  choice.only = std::move(once);
+  return open_reproduction(paper_at(paper), choice);
 }
 
 std::string standard_folder(const Paper& paper, const ReproductionChoice& choice) {
@@ -215,7 +227,8 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   command->add_option("--out", options->out, "result folder (default: ./paper.gust, or ./paper-quick.gust)")
       ->type_name("DIR");
   command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number(between(1, 1024)))
+      ->type_name("N");
   command->add_flag("--so-far", options->so_far, "run nothing: judge what earlier runs have left");
   command->add_flag("--json", options->json, "verdicts as one JSON object");
   command->footer(

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "gust/cli/command.h"
 #include "gust/cli/progress.h"
 #include "gust/cli/signals.h"
@@ -52,8 +50,8 @@ int run(const Options& options) {
   } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
     tell(error.what());
   }
-  fmt::print("{}", options.json ? summary_json(study, summary) + "\n" : summary_text(study, summary));
-  if (!options.json && !report.empty()) fmt::print("Page: {}\n", report);
+  print_lines(options.json ? summary_json(study, summary) + "\n" : summary_text(study, summary));
+  if (!options.json && !report.empty()) print_lines(cat("Page: ", report, "\n"));
   if (outcome.failed() > 0 || report.empty()) return kTrialFailed;
   return options.require && !required_claims_hold(study, summary) ? kCheckFailed : kDone;
 }
@@ -66,7 +64,8 @@ void command_run(CLI::App& app, int& exit_code) {
   command->add_option("STUDY", options->study, "the study, a TOML file")->required();
   command->add_option("--out", options->out, "result folder (default: ./NAME.gust)")->type_name("DIR");
   command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number(between(1, 1024)))
+      ->type_name("N");
   command->add_option("--set", options->settings, "replace a value of the study: key=value")->type_name("KEY=VALUE");
   command->add_flag("--require", options->require, "exit with 3 if a required claim does not hold");
   command->add_flag("--json", options->json, "margins and verdicts as one JSON object");

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "gust/cli/command.h"
 #include "gust/cli/study_command.h"
 
@@ -18,9 +16,8 @@ void command_show(CLI::App& app, int& exit_code) {
   command->callback([options, &exit_code] {
     const OpenStudy open = open_study(options->folder);
     const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
-    fmt::print("{}\n", options->json ? summary_json(open.study, summary) : summary_text(open.study, summary));
-    for (const std::string& missing : summary.missing) tell(cat("not in the store: ", missing));
-    if (!summary.missing.empty()) exit_code = kTrialFailed;
+    print_lines(cat(options->json ? summary_json(open.study, summary) : summary_text(open.study, summary), "\n"));
+    exit_code = tell_missing(summary);
   });
 }
 

@@ -19,17 +19,21 @@ std::string size_text(std::uint64_t bytes) {
   return size < 1e6 ? fmt::format("{:.1f} kB", size * 1e-3) : fmt::format("{:.1f} MB", size * 1e-6);
 }
 
-void pack(const Options& options) {
+int pack(const Options& options) {
   const Store store(StudyFolder(options.folder).store(), Store::Access::read, tell);
   const PackCount count = pack_store(store, options.file, options.trainings ? kind_name(Trial::Kind::kTrain) : "");
-  fmt::print("{}: {} trials, {}\n", options.file, count.trials, size_text(count.bytes));
+  print_lines(cat(options.file, ": ", count.trials, " trials, ", size_text(count.bytes), "\n"));
+  if (count.damaged == 0) return kDone;
+  tell(cat(options.file, ": lacks ", count.damaged, count.damaged == 1 ? " damaged trial" : " damaged trials",
+           "; run the study again"));
+  return kTrialFailed;
 }
 
 void unpack(const Options& options) {
   check_pack(options.file);  // before anything is made
   const Store store(StudyFolder(options.folder).store(), Store::Access::write, tell);
   const PackCount count = unpack_store(options.file, store);
-  fmt::print("{}: {} trials added, {} were there\n", options.folder, count.trials, count.present);
+  print_lines(cat(options.folder, ": ", count.trials, " trials added, ", count.present, " were there\n"));
 }
 
 void add_arguments(CLI::App& command, const std::shared_ptr<Options>& options, bool folder_first) {
@@ -43,7 +47,7 @@ void add_arguments(CLI::App& command, const std::shared_ptr<Options>& options, b
 
 }  // namespace
 
-void command_store(CLI::App& app, int&) {
+void command_store(CLI::App& app, int& exit_code) {
   CLI::App* store = app.add_subcommand("store", "Packs finished trials into one file, and unpacks them");
   store->require_subcommand(1);
   const auto options = std::make_shared<Options>();
@@ -52,7 +56,7 @@ void command_store(CLI::App& app, int&) {
   add_arguments(*packing, options, /*folder_first=*/true);
   packing->add_flag("--trainings", options->trainings, "only what takes long; the rest is measured again from it");
   packing->footer("Example:\n  gust store pack demo.gust demo.pack");
-  packing->callback([options] { pack(*options); });
+  packing->callback([options, &exit_code] { exit_code = pack(*options); });
 
   CLI::App* unpacking =
       store->add_subcommand("unpack", "Adds the trials of FILE to DIR; none that is whole is touched");

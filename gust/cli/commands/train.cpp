@@ -20,7 +20,7 @@ constexpr const char* kAbout =
 int train(const TrainRequest& request) {
   SignalWatch signals;
   TrainingRun run(request);
-  for (const std::string& warning : run.warnings()) fmt::print(stderr, "gust: warning: {}\n", warning);
+  for (const std::string& warning : run.warnings()) tell(cat("warning: ", warning));
   TrainingRun::End end{};
   const Job job{.name = request.agent, .run = {}};
   Progress progress({&job, 1});
@@ -30,16 +30,15 @@ int train(const TrainRequest& request) {
     progress.finish(0);
   });
   if (end == TrainingRun::End::stopped) {
-    fmt::print(stderr, "gust: stopped at {} of {} steps; the same command goes on from here\n", run.steps(),
-               run.total_steps());
+    tell(cat("stopped at ", run.steps(), " of ", run.total_steps(), " steps; the same command goes on from here"));
     return signals.exit_code();
   }
   if (end == TrainingRun::End::failed) {
-    fmt::print(stderr, "gust: the training failed after {} steps: {}\n", run.steps(), run.failure());
+    tell(cat("the training failed after ", run.steps(), " steps: ", run.failure()));
     return kTrialFailed;
   }
-  fmt::print(stderr, "gust: {} steps; return / horizon {:.4f} in the last evaluation\n", run.steps(), run.last_score());
-  fmt::print("{}\n", request.out);
+  tell(fmt::format("{} steps; return / horizon {:.4f} in the last evaluation", run.steps(), run.last_score()));
+  print_lines(cat(request.out, "\n"));
   return kDone;
 }
 
@@ -53,9 +52,11 @@ void command_train(CLI::App& app, int& exit_code) {
   command->add_option("--preset", request->preset, "options and readings to start from (gust list presets)")
       ->capture_default_str()
       ->type_name("NAME");
-  command->add_option("--steps", request->steps, "environment steps (default: the agent's)")->type_name("N");
+  command->add_option("--steps", request->steps, "environment steps (default: the agent's)")
+      ->check(whole_number())
+      ->type_name("N");
   command->add_option("--seed", request->seed, "of every random stream of the training")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(whole_number(non_negative))
       ->capture_default_str()
       ->type_name("N");
   command->add_option("--set", request->settings, "an option of the agent, the readings or the plant")

@@ -36,7 +36,9 @@ Recording load_recording(const std::string& file) {
                     fs::path(file).replace_extension(".json").string(), " meant? (gust validate --help)"));
   }
   const std::string description = read_file(json);
-  if (!fs::exists(csv)) throw Error(cat(csv.string(), ": is not there; the records of ", file, " lie beside it"));
+  std::error_code unknown;
+  if (!fs::exists(csv, unknown))
+    throw Error(cat(csv.string(), ": is not there; the records of ", file, " lie beside it"));
   const std::string records = read_file(csv);
   return read_recording({description, file}, {records, csv.string()});
 }
@@ -73,7 +75,7 @@ std::string verdict_of(const Checked& checked) {
 std::string line_of(const Checked& checked, std::size_t name_width) {
   const Validation& result = checked.result;
   const PlantSpec& spec = checked.recording.plant->spec();
-  return fmt::format("{:<{}}{}{}  {:<8}  {:<8}  {:<8}  {}  {}\n", checked.recording.name, name_width,
+  return fmt::format("{:<{}}{}{}  {:<8}  {:<8}  {:<8}  {}  {}\n", printable(checked.recording.name), name_width,
                      state_cells(result.one_step, spec), state_cells(result.closed_loop, spec),
                      error_text(result.applied.error), error_text(result.reward.error),
                      error_text(result.squared_error.error), result.flags_differ == 0 ? "equal " : "differ",
@@ -82,13 +84,13 @@ std::string line_of(const Checked& checked, std::size_t name_width) {
 
 void print_table(const std::vector<Checked>& all) {
   std::size_t width = 9;
-  for (const Checked& checked : all) width = std::max(width, checked.recording.name.size());
+  for (const Checked& checked : all) width = std::max(width, printable(checked.recording.name).size());
   std::string head;
   for (const Checked& checked : all) {
     const std::string own = head_of(checked.recording.plant->spec(), width);
     if (own != head) fmt::print("{}", own);
     head = own;
-    fmt::print("{}", line_of(checked, width));
+    print_lines(line_of(checked, width));
   }
 }
 
