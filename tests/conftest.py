@@ -15,6 +15,16 @@ BUILD = pathlib.Path(os.environ.get("GUST_BUILD", ROOT / "build/release"))
 PROGRAM = pathlib.Path(os.environ.get("GUST", BUILD / "gust"))
 
 
+@pytest.fixture(scope="session", autouse=True)
+def environment():
+    """What whoever runs the tests has set for gust (GUST_THREADS, GUST_CACHE) reaches no program that a test starts.
+
+    What a test file wants of it, it has read when it was imported.
+    """
+    for name in [name for name in os.environ if name.startswith("GUST_")]:
+        del os.environ[name]
+
+
 @pytest.fixture(scope="session")
 def build():
     """The build tree of the program under test."""

@@ -36,4 +36,9 @@ inline double rmse_all(const EpisodePart& part) { return std::sqrt(part.squared_
 inline double rmse_masked(const EpisodePart& part) { return std::sqrt(part.squared_masked_error / steps_of(part)); }
 inline double root_sum(const EpisodePart& part) { return std::sqrt(part.squared_error); }
 
+/// The largest size of a state component; NaN where a state was no number, which makes the sum of errors NaN too.
+inline double max_abs(const EpisodePart& part, std::size_t component) {
+  return std::isnan(part.squared_error) ? part.squared_error : part.max_abs_state[component];
+}
+
 }  // namespace gust

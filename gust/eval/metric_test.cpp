@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace gust {
 namespace {
@@ -69,6 +70,21 @@ TEST_CASE("an episode that stands to the horizon survives, and its length is the
   CHECK(value_of("length", episode) == 8.0);
   CHECK(value_of("time_to_failure", episode) == 1.0);
   CHECK(value_of("anr", episode) == value_of("anr_h", episode));
+}
+
+TEST_CASE("a largest of numbers that are none is none, and a later step does not change that of an earlier end") {
+  Episode episode = fallen();
+  episode.finite = false;
+  episode.whole.squared_error = std::numeric_limits<double>::quiet_NaN();
+  CHECK(value_of("max_abs_x", episode) == 0.5);
+  CHECK(value_of("max_abs_theta", episode) == 1.75);
+
+  episode.ended.squared_error = std::numeric_limits<double>::infinity();  // of a large number
+  CHECK(value_of("max_abs_theta", episode) == 1.75);
+
+  episode.ended.squared_error = std::numeric_limits<double>::quiet_NaN();
+  CHECK(std::isnan(value_of("max_abs_x", episode)));
+  CHECK(std::isnan(value_of("max_abs_theta", episode)));
 }
 
 TEST_CASE("an unknown metric is an error with the nearest name") {

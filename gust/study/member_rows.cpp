@@ -50,12 +50,20 @@ bool MemberRows::next() {
   return !cells_.empty() && !cells_.front().empty();
 }
 
-Matrix<double> MemberRows::values(std::size_t start, std::size_t metric, bool repeats) const {
-  const std::size_t episodes = repeats ? 1 : static_cast<std::size_t>(header().episodes);
-  const std::size_t metrics = header().metrics.size();
+bool MemberRows::has(std::string_view metric) const {
+  return std::ranges::all_of(readers_,
+                             [&](const RowsReader& reader) { return reader.header().column(metric).has_value(); });
+}
+
+Matrix<double> MemberRows::values(std::size_t start, std::string_view metric, bool repeats) const {
+  GUST_CHECK(has(metric));
+  const auto stored = static_cast<std::size_t>(header().episodes);
+  const std::size_t episodes = repeats ? 1 : stored;
   Matrix<double> values(cells_.size(), episodes);
   for (std::size_t m = 0; m < cells_.size(); ++m) {
-    const double* first = cells_[m].data() + start * static_cast<std::size_t>(header().episodes) * metrics + metric;
+    const RowsHeader& its = readers_[m].header();  // of another version, it may have other metrics
+    const std::size_t metrics = its.metrics.size();
+    const double* first = cells_[m].data() + start * stored * metrics + *its.column(metric);
     for (std::size_t e = 0; e < episodes; ++e) values.at(m, e) = first[e * metrics];
   }
   return values;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gust/core/rows.h"
@@ -38,8 +39,10 @@ class MemberRows {
   /// Reads the next cell of every member; false after the last.
   bool next();
 
-  /// One metric from one start: members x episodes, or one episode where all are the same one.
-  Matrix<double> values(std::size_t start, std::size_t metric, bool repeats) const;
+  /// Whether a metric was measured of all members: rows that another version stored may lack it.
+  bool has(std::string_view metric) const;
+  /// One metric that there is, from one start: members x episodes, or one episode where all are the same one.
+  Matrix<double> values(std::size_t start, std::string_view metric, bool repeats) const;
 
  private:
   std::vector<std::unique_ptr<std::ifstream>> streams_;

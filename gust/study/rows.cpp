@@ -119,6 +119,12 @@ RowsHeader read_header(std::istream& stream, std::string_view name) {
 
 }  // namespace
 
+std::optional<std::size_t> RowsHeader::column(std::string_view metric) const {
+  const auto at = std::ranges::find(metrics, metric);
+  if (at == metrics.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - metrics.begin());
+}
+
 std::string complaint(const RowsHeader& header) {
   const auto bad_list = [](const std::vector<std::string>& names) {
     const auto too_long = [](const std::string& name) { return name.size() > kLongestName; };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <istream>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,6 +20,8 @@ struct RowsHeader {
 
   /// Numbers in a cell: starts × episodes × metrics, the metric running fastest.
   std::size_t cell_size() const { return starts.size() * static_cast<std::size_t>(episodes) * metrics.size(); }
+  /// Where a metric stands in `metrics`; none if these rows lack it, as those of another version may.
+  std::optional<std::size_t> column(std::string_view metric) const;
   bool operator==(const RowsHeader&) const = default;
 };
 

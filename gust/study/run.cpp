@@ -110,14 +110,10 @@ void run_plans(const std::vector<Study*>& studies, const Store& store, const Run
   timings.save();
   for (RunOutcome& run : runs) {
     run.outcomes.assign(run.plan.trials.size(), {});
-    run.found = run.plan.trials.size();
     run.stopped = options.stop.stop_requested();
   }
-  for (std::size_t j = 0; j < missing.jobs.size(); ++j) {
-    RunOutcome& run = runs[missing.trials[j].plan];
-    run.outcomes[missing.trials[j].trial] = results[j];
-    --run.found;
-  }
+  for (std::size_t j = 0; j < missing.jobs.size(); ++j)
+    runs[missing.trials[j].plan].outcomes[missing.trials[j].trial] = results[j];
   for (RunOutcome& run : runs) judge_stored(run.plan, store, run);
 }
 
@@ -171,7 +167,7 @@ Plan plan_with_store(Study& study, const Store& store) {
 
 std::vector<RunOutcome> run_studies(const std::vector<Study*>& studies, const Store& store, const RunOptions& options) {
   std::vector<RunOutcome> runs;
-  for (Study* study : studies) runs.push_back({plan_with_store(*study, store), {}, 0, false});
+  for (Study* study : studies) runs.push_back({plan_with_store(*study, store), {}, false});
   run_plans(studies, store, options, runs);
 
   // Those whose automatic sweeps have their levels by now go on with them.
@@ -184,14 +180,11 @@ std::vector<RunOutcome> run_studies(const std::vector<Study*>& studies, const St
     if (!plan.complete) continue;  // a search failed
     waiting.push_back(i);
     again.push_back(studies[i]);
-    rest.push_back({std::move(plan), {}, 0, false});
+    rest.push_back({std::move(plan), {}, false});
   }
   if (waiting.empty()) return runs;
   run_plans(again, store, options, rest);
-  for (std::size_t k = 0; k < waiting.size(); ++k) {
-    rest[k].found = runs[waiting[k]].found;
-    runs[waiting[k]] = std::move(rest[k]);
-  }
+  for (std::size_t k = 0; k < waiting.size(); ++k) runs[waiting[k]] = std::move(rest[k]);
   return runs;
 }
 

@@ -18,7 +18,6 @@ struct RunOptions {
 struct RunOutcome {
   Plan plan;
   std::vector<Outcome> outcomes;
-  std::size_t found = 0;  ///< trials that were in the store already
   bool stopped = false;
 
   std::size_t failed() const;

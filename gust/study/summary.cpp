@@ -70,17 +70,17 @@ class Summariser {
     const std::size_t starts = rows.header().starts.size();
     for (std::size_t start = 0; start < starts; ++start)
       part.series.push_back(empty_series(group, start, rows.header()));
+    const std::string& scored = study_.metric_set.name(margin_metric_);
+    const bool with_margin = has_margin(group) && rows.has(scored);
     std::vector<MarginScores> kept(starts);
     for (std::size_t cell = 0; rows.next(); ++cell) {
       for (std::size_t start = 0; start < starts; ++start) {
         fill_cell(rows, cell, part.series[start]);
-        if (has_margin(group))
-          kept[start].append(rows.values(start, margin_metric_, episodes_repeat(study_, group.sweep, start)));
+        if (with_margin) kept[start].append(rows.values(start, scored, episodes_repeat(study_, group.sweep, start)));
         judge_claims(rows, cell, part.series[start], part.claims);
       }
     }
-    for (std::size_t start = 0; start < starts && has_margin(group); ++start)
-      fill_margin(kept[start], part.series[start]);
+    for (std::size_t start = 0; start < starts && with_margin; ++start) fill_margin(kept[start], part.series[start]);
     return part;
   }
 
@@ -100,12 +100,14 @@ class Summariser {
     return series;
   }
 
-  /// An interval for what the page leads with, the mean alone for the rest.
+  /// An interval for what the page leads with, the mean alone for the rest; what was not measured stays unknown.
   void fill_cell(const MemberRows& rows, std::size_t cell, Series& series) {
     const bool same = episodes_repeat(study_, series.sweep, series.start);
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::size_t metric = metrics_[i];
-      const Matrix<double> values = rows.values(series.start, metric, same);
+      const std::string& name = study_.metric_set.name(metric);
+      if (!rows.has(name)) continue;
+      const Matrix<double> values = rows.values(series.start, name, same);
       const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
       series.values[i * series.cells + cell] = {result.estimate, result.low, result.high};
@@ -117,9 +119,9 @@ class Summariser {
           series.not_finite += static_cast<std::size_t>(
               std::ranges::count_if(values.row(m), [](double v) { return !std::isfinite(v); }));
         }
-        series.unit = unit_of(values.view());
-        series.units = series.unit == Unit::seeds ? values.rows() : values.lanes();
       }
+      series.unit = unit_of(values.view());
+      series.units = series.unit == Unit::seeds ? values.rows() : values.lanes();
     }
   }
 
@@ -146,9 +148,10 @@ class Summariser {
       std::vector<std::string> names;
       for (std::size_t i = 0; i < study_.metric_set.size(); ++i) names.push_back(study_.metric_set.name(i));
       const Claim parsed = parse_claim(claim.holds, names, claim.place);
+      if (!rows.has(parsed.metric)) continue;  // not measured
       const std::size_t metric = study_.metric_set.index(parsed.metric, claim.place);
       const bool same = episodes_repeat(study_, series.sweep, series.start);
-      const Interval measured = measure(rows.values(series.start, metric, same), metric, margins_);
+      const Interval measured = measure(rows.values(series.start, parsed.metric, same), metric, margins_);
       verdicts.push_back({&claim, measured, decide(parsed, measured)});
     }
   }

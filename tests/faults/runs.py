@@ -38,8 +38,6 @@ name = "length and mass"
 grid = { pole_length = { from = 0.1, to = 3, count = 8 }, pole_mass = { from = 0.01, to = 2, count = 8 } }
 """
 
-ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("GUST_")}
-
 
 class Runs:
     """One study in one folder, and as many result folders as one wants."""
@@ -52,9 +50,7 @@ class Runs:
     def start(self, out, threads=2):
         """Begins `gust run` and does not wait for it."""
         command = [PROGRAM, "run", self.study, "--out", self.folder / out, "--threads", str(threads)]
-        return subprocess.Popen(
-            command, cwd=self.folder, env=ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-        )
+        return started(command, self.folder)
 
     def finish(self, out, threads=2, code=0):
         """Runs to the end; returns what it said on stderr."""
@@ -63,17 +59,17 @@ class Runs:
     def gust(self, *arguments, code=0):
         """Runs another command; returns what it said on stderr."""
         command = [PROGRAM, *map(str, arguments)]
-        return ended(
-            subprocess.Popen(
-                command, cwd=self.folder, env=ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-            ),
-            code,
-        )
+        return ended(started(command, self.folder), code)
 
     def results(self, out):
         """Everything that must not depend on what happened on the way: the exported table and the stored trials."""
         self.gust("export", self.folder / out, "--csv", self.folder / "export.csv")
         return (self.folder / "export.csv").read_bytes(), trials(self.folder / out)
+
+
+def started(command, folder):
+    """Begins a command and does not wait for it."""
+    return subprocess.Popen(command, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
 def ended(process, code=0, seconds=300):
@@ -105,4 +101,4 @@ def in_own_mounts(script, folder):
     if os.geteuid() != 0 and subprocess.run([*unshare, "true"], capture_output=True).returncode != 0:
         pytest.skip("mounting needs root or user namespaces")
     command = [*unshare, "sh", "-euc", script, "sh", PROGRAM]
-    return subprocess.run(command, cwd=folder, env=ENVIRONMENT, text=True, capture_output=True, timeout=300)
+    return subprocess.run(command, cwd=folder, text=True, capture_output=True, timeout=300)

@@ -25,18 +25,20 @@ def runs(tmp_path):
     return Runs(tmp_path, STEPS)
 
 
-def wait_for_training(process, out):
-    while not list((out / "store/aside").glob(f"{process.pid}-*.lock")):
+def wait_for(process, folder, pattern, count=1):
+    """Until so many of a run's files are there."""
+    deadline = time.monotonic() + 120
+    while len(list(folder.glob(pattern))) < count:
         assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
         time.sleep(0.002)
-    time.sleep(0.1)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 75)])
 def test_a_signal_stops_a_run_soon_and_the_same_command_goes_on(runs, finished, number, code):
     long = Runs(runs.folder, steps=100_000_000)
     process = long.start("out")
-    wait_for_training(process, runs.folder / "out")
+    wait_for(process, runs.folder / "out/store/checkpoints", "*", count=2)
 
     process.send_signal(number)
     sent = time.monotonic()
@@ -53,7 +55,8 @@ def test_a_signal_stops_a_run_soon_and_the_same_command_goes_on(runs, finished, 
 
 def test_a_stopped_run_resumes_to_the_same_bytes(runs, finished):
     process = runs.start("out", threads=1)
-    wait_for_training(process, runs.folder / "out")
+    wait_for(process, runs.folder / "out/store/aside", f"{process.pid}-*.lock")
+    time.sleep(0.1)  # into the first training, or before it: every moment will do
     process.send_signal(signal.SIGTERM)
     ended(process, 75)
 

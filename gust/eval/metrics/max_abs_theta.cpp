@@ -8,7 +8,7 @@ struct MaxAbsTheta {
   static constexpr std::string_view kUnit = "rad";
   static constexpr std::tuple<> kFields = {};
 
-  double value(const Episode& episode) const { return episode.ended.max_abs_state[episode.angle]; }
+  double value(const Episode& episode) const { return max_abs(episode.ended, episode.angle); }
 };
 
 }  // namespace

@@ -8,7 +8,7 @@ struct MaxAbsX {
   static constexpr std::string_view kUnit = "m";
   static constexpr std::tuple<> kFields = {};
 
-  double value(const Episode& episode) const { return episode.ended.max_abs_state[0]; }
+  double value(const Episode& episode) const { return max_abs(episode.ended, 0); }
 };
 
 }  // namespace
