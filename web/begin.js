@@ -6,6 +6,7 @@ const draw = {
   learning: learningFigure,
   parameters: parameterFigure,
   grids: heatFigure,
+  disturbances: disturbancesFigure,
   replay: replayFigure,
 };
 

@@ -4,11 +4,11 @@ function pairs(x, v, more) {
   return x.map((step, i) => ({...more, step, value: finite(v[i])})).filter((row) => row.value !== null);
 }
 
-/** Panels of all policies on common axes; share: how much of the training they span. */
-function learningPanels(share) {
+/** Panels of all policies on common axes, of one score; share: how much of the training they span. */
+function learningPanels(score, share) {
   const policies = distinct(data.learning.map((one) => one.p));
   const panels = policies.map((policy) => {
-    const all = data.learning.filter((one) => one.p === policy);
+    const all = data.learning.filter((one) => one.p === policy && one.m === score);
     const own = all.filter((one) => one.source === '');
     const runs = data.runs.filter((run) => own.some((one) => one.number === run.of));
     return {
@@ -27,8 +27,8 @@ function learningPanels(share) {
   return panels.map((panel) => ({...panel, domain}));
 }
 
-function learningRows(panels) {
-  const row = (panel, of, one) => ({policy: data.policies[panel.policy].name, of, step: one.step, value: one.value, low: one.low ?? null, high: one.high ?? null});
+function learningRows(panels, score) {
+  const row = (panel, of, one) => ({policy: data.policies[panel.policy].name, score: data.learningScores[score], of, step: one.step, value: one.value, low: one.low ?? null, high: one.high ?? null});
   return panels.flatMap((panel) => [
     ...panel.mean.map((one) => row(panel, 'mean', one)),
     ...panel.runs.map((one) => row(panel, `seed ${one.seed}`, one)),
@@ -36,9 +36,9 @@ function learningRows(panels) {
   ]);
 }
 
-function describeLearning(panel) {
+function describeLearning(panel, score) {
   const last = panel.mean.at(-1);
-  return `${panel.title}: ${data.learningScore} against training steps; ${last ? `mean ${pretty(last.value)} after ${prettyCount(last.step)} steps` : 'no mean'}`;
+  return `${panel.title}: ${data.learningScores[score]} against training steps; ${last ? `mean ${pretty(last.value)} after ${prettyCount(last.step)} steps` : 'no mean'}`;
 }
 
 function tellLearning(panel, i) {
@@ -50,12 +50,12 @@ function tellLearning(panel, i) {
 }
 
 function learningFigure(figure) {
-  let share = 1;
-  let panels = learningPanels(share);
+  let [score, share] = [0, 1];
+  let panels = learningPanels(score, share);
   const drawn = [];
-  const zoom = (to) => {
-    share = to;
-    panels = learningPanels(share);
+  const show = (chosen) => {
+    [score, share] = [chosen.score ?? score, chosen.share ?? share];
+    panels = learningPanels(score, share);
     change({});
     for (const chart of drawn) chart.touch();
   };
@@ -68,22 +68,25 @@ function learningFigure(figure) {
     tiles.append(tile);
     onChange(() => { tile.hidden = state.hidden.has(panel.policy); });
     const chart = new Chart(host, (width) => standalone(learningPanel(onScreen, {...panels[index], title: null}, width - 8, 180), panel.title),
-      () => describeLearning(panel));
+      () => describeLearning(panels[index], score));
     drawn.push(chart);
     readable(chart, () => ({
-      domain: panels[index].domain.x, log: false, tell: (i) => tellLearning(panel, i),
-      places: panel.mean.map((row) => row.step).filter((step) => step <= panels[index].domain.x[1]),
+      domain: panels[index].domain.x, log: false, tell: (i) => tellLearning(panels[index], i),
+      places: panels[index].mean.map((row) => row.step).filter((step) => step <= panels[index].domain.x[1]),
     }));
   });
   const crowded = panels.some((panel) => state.hidden.has(panel.policy));
   const end = panels[0].domain.x[1];
   const spans = [[1, prettyCount(end), 'the whole training'], [0.2, prettyCount(0.2 * end), 'the first fifth']];
+  const scores = distinct(data.learning.map((one) => one.m)).map((index) => [index, data.learningScores[index]]);
+  const choice = (label, title, options, current, choose) => element('div', {class: 'choice'}, element('span', {class: 'label'}, label),
+    segmented(title, options, current, choose));
   figure.querySelector('.body').append(
-    element('p', {class: 'lead'}, `${data.learningScore} of the policy as trained so far, undisturbed.`),
-    element('div', {class: 'choices'}, element('div', {class: 'choice'}, element('span', {class: 'label'}, 'Steps, to'),
-      segmented('Steps shown', spans, () => share, zoom)), crowded ? policyKey(panels.map((panel) => panel.policy)) : ''), tiles);
+    element('p', {class: 'lead'}, 'Of the policy as trained so far, undisturbed.'),
+    element('div', {class: 'choices'}, choice('Score', 'Score', scores, () => score, (to) => show({score: to})),
+      choice('Steps, to', 'Steps shown', spans, () => share, (to) => show({share: to})), crowded ? policyKey(panels.map((panel) => panel.policy)) : ''), tiles);
   addTools(figure, {
-    name: 'learning', rows: () => learningRows(shown()), commands: () => [['the study', data.runCommand]],
-    spec: () => gridOfPanels(shown().map((panel) => [learningPanel(inFile, panel, 420, 200)]), `${data.name}: ${data.learningScore}`),
+    name: 'learning', rows: () => learningRows(shown(), score), commands: () => [['the study', data.runCommand]],
+    spec: () => gridOfPanels(shown().map((panel) => [learningPanel(inFile, panel, 420, 200)]), `${data.name}: ${data.learningScores[score]}`),
   });
 }

@@ -23,6 +23,14 @@ function referenceOf(episode, state) {
   return asked ? [{...asked, name: `${state.name} reference`, colour: '--ink-3', dash: [2, 3]}] : [];
 }
 
+/** What was injected at a site. */
+function pushGroup(episode, site, title) {
+  const traces = episode.disturbances.filter((push) => push.site === site);
+  const units = new Set(traces.map((trace) => trace.unit));
+  return group(axisTitle(title, units.size === 1 ? traces[0].unit : ''),
+    traces.map((trace, i) => ({...trace, colour: channelColours[i % channelColours.length], dash: dashes[i % dashes.length]})), episode.rate, true);
+}
+
 /** The views of an episode; rates of change only when asked for. */
 function episodeGroups(episode, rates) {
   const rate = episode.rate;
@@ -33,12 +41,7 @@ function episodeGroups(episode, rates) {
     {...trace, name: `${trace.name} applied`, colour: '--applied', dash: i === 0 ? [] : [6, 2]},
   ]);
   if (actions.length > 0) groups.push(group(axisTitle('action', episode.applied[0].unit), actions, rate, true));
-  for (const site of new Set(episode.disturbances.map((push) => push.site))) {
-    const traces = episode.disturbances.filter((push) => push.site === site);
-    const units = new Set(traces.map((trace) => trace.unit));
-    groups.push(group(axisTitle(`disturbance of the ${site}`, units.size === 1 ? traces[0].unit : ''),
-      traces.map((trace, i) => ({...trace, colour: channelColours[i % channelColours.length], dash: dashes[i % dashes.length]})), rate, true));
-  }
+  for (const site of new Set(episode.disturbances.map((push) => push.site))) groups.push(pushGroup(episode, site, `disturbance of the ${site}`));
   groups.push(group('reward', [{name: 'reward', v: episode.reward, colour: '--ink'}], rate, true));
   return groups;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
@@ -104,6 +105,20 @@ double share_true(const Sampled& margin) {
   return static_cast<double>(count) / static_cast<double>(resamples.size());
 }
 
+/// What follows from the margin of a statement, told with the number that was measured.
+Verdict ruled(const Sampled& margin, const Interval& interval, const std::string& measured) {
+  if (std::isnan(interval.estimate)) return {Ruling::not_testable, "the estimate is not a number"};
+  if (std::isnan(interval.low) || std::isnan(interval.high)) {
+    const std::span<const double> resamples = std::span(margin.values).subspan(1);
+    const bool alone = std::ranges::all_of(resamples, [](double value) { return std::isnan(value); });
+    const char* why = alone ? "more than one seed or episode would give an interval" : "a resample is not a number";
+    return {Ruling::not_testable, cat(measured, "; ", why)};
+  }
+  if (interval.low >= 0) return {Ruling::holds, measured};
+  if (interval.high < 0) return {Ruling::fails, measured};
+  return {Ruling::undecided, cat(measured, "; true in some resamples of the seeds, false in others")};
+}
+
 }  // namespace
 
 std::string claim_text(const Claim& claim) { return cat(claim.metric, " ", sign_of(claim.relation), " ", claim.bound); }
@@ -137,29 +152,22 @@ std::string_view ruling_name(Ruling ruling) {
 }
 
 Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data) {
-  Formula::Judged judged;
+  std::optional<Formula::Judged> asked;
   try {
-    judged = formula.judge(names, data);
+    asked = formula.judge(names, data);
   } catch (const NotTestable& missing) {
     return {{}, {Ruling::not_testable, missing.what()}};
   }
-  Interval measured = interval_of(judged.measured);
+  const auto& judged = *asked;
+  Finding found{.measured = interval_of(judged.measured), .share = share_true(judged.truth.margin)};
+  found.parts = judged.truth.parts;
+  found.true_parts = judged.truth.true_parts;
+  Interval& measured = found.measured;
   for (double* end : {&measured.estimate, &measured.low, &measured.high}) {
     if (std::abs(*end) < std::numeric_limits<double>::min()) *end = 0.0;  // what strict relations between equals give
   }
-  const Interval margin = interval_of(judged.truth.margin);
-  const double share = share_true(judged.truth.margin);
-  const std::string found = interval_text(measured);
-  if (std::isnan(margin.estimate)) return {measured, {Ruling::not_testable, "the estimate is not a number"}, share};
-  if (std::isnan(margin.low) || std::isnan(margin.high)) {
-    const std::span<const double> resamples = std::span(judged.truth.margin.values).subspan(1);
-    const bool alone = std::ranges::all_of(resamples, [](double value) { return std::isnan(value); });
-    const char* why = alone ? "more than one seed or episode would give an interval" : "a resample is not a number";
-    return {measured, {Ruling::not_testable, cat(found, "; ", why)}, share};
-  }
-  if (margin.low >= 0) return {measured, {Ruling::holds, found}, share};
-  if (margin.high < 0) return {measured, {Ruling::fails, found}, share};
-  return {measured, {Ruling::undecided, cat(found, "; true in some resamples of the seeds, false in others")}, share};
+  found.verdict = ruled(judged.truth.margin, interval_of(judged.truth.margin), interval_text(measured));
+  return found;
 }
 
 Verdict decide(const Claim& claim, const Interval& interval) {

@@ -42,6 +42,8 @@ struct Finding {
   Interval measured;  ///< of what it measures (Formula::Judged)
   Verdict verdict;
   double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples in which it is true
+  std::size_t parts = 0;       ///< statements that must all be true (Truth); 0 where it could not be asked
+  std::size_t true_parts = 0;  ///< those that are, at the estimate
 };
 
 /// Holds if the statement is true throughout the interval of its margin, fails if nowhere, else it is undecided.

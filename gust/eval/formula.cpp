@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <type_traits>
 
 #include "gust/core/text.h"
 #include "gust/eval/formula_functions.h"
@@ -25,14 +26,15 @@ double above(double a, double b, bool strict) {
 }
 double negated(double margin) { return margin == 0.0 ? -kLeast : -margin; }
 
-Truth related(std::string_view sign, const Sampled& left, const Sampled& right) {
+Truth relation(std::string_view sign, const Sampled& left, const Sampled& right) {
   if (sign == "==" || sign == "!=") {
     const Sampled apart = combine(left, right, [](double a, double b) { return a == b ? 0.0 : -std::abs(a - b); });
-    return {sign == "==" ? apart : combine(apart, negated)};
+    return Truth(sign == "==" ? apart : combine(apart, negated));
   }
   const bool strict = sign.size() == 1;
-  if (sign.front() == '>') return {combine(left, right, [strict](double a, double b) { return above(a, b, strict); })};
-  return {combine(left, right, [strict](double a, double b) { return above(b, a, strict); })};
+  const bool greater = sign.front() == '>';
+  return Truth(combine(greater ? left : right, greater ? right : left,
+                       [strict](double a, double b) { return above(a, b, strict); }));
 }
 
 Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
@@ -50,6 +52,12 @@ Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
 
 class Evaluator {
  public:
+  /// A relation with its two sides.
+  struct Related {
+    FormulaValue left, right;
+    Truth truth;
+  };
+
   Evaluator(std::string_view text, const Place& place, FormulaNames names, const FormulaData& data)
       : text_(text), place_(place), names_(std::move(names)), data_(data) {}
 
@@ -70,11 +78,24 @@ class Evaluator {
       case Node::Kind::arithmetic:
         return {calculated(node.text.front(), number(node.parts[0], node), number(node.parts[1], node))};
       case Node::Kind::relation:
-        return {relation(node)};
+        return {related(node).truth};
       case Node::Kind::logic:
         break;
     }
     return {logic(node)};
+  }
+
+  Related related(const Node& node) {
+    FormulaValue left = value(node.parts[0]), right = value(node.parts[1]);
+    const auto* text = std::get_if<std::string>(&left.data);
+    const auto* other = std::get_if<std::string>(&right.data);
+    if (text != nullptr && other != nullptr && (node.text == "==" || node.text == "!=")) {
+      const double margin = (*text == *other) == (node.text == "==") ? 1.0 : -1.0;
+      return {std::move(left), std::move(right), Truth(Sampled::constant(margin))};
+    }
+    const std::string what = cat("'", node.text, "'");
+    Truth truth = placed(node, [&] { return relation(node.text, left.as_number(what), right.as_number(what)); });
+    return {std::move(left), std::move(right), std::move(truth)};
   }
 
  private:
@@ -85,7 +106,7 @@ class Evaluator {
 
   /// What get() gives; an Error that it throws is told with the node's column.
   template <class Get>
-  auto placed(const Node& node, Get get) const {
+  std::invoke_result_t<Get> placed(const Node& node, Get get) const {
     try {
       return get();
     } catch (const Error& problem) {
@@ -97,9 +118,9 @@ class Evaluator {
     const FormulaValue found = value(part);
     return placed(of, [&] { return found.as_number(cat("'", of.text, "'")); });
   }
-  Sampled margin(const Node& part, const Node& of) {
+  Truth truth(const Node& part, const Node& of) {
     const FormulaValue found = value(part);
-    return placed(of, [&] { return found.as_truth(cat("'", of.text, "'")).margin; });
+    return placed(of, [&] { return found.as_truth(cat("'", of.text, "'")); });
   }
 
   std::vector<FormulaValue> values(const std::vector<Node>& parts) {
@@ -149,25 +170,17 @@ class Evaluator {
     throw error(node, "unknown function '", node.text, "'", did_you_mean(node.text, known));
   }
 
-  Truth relation(const Node& node) {
-    const FormulaValue left = value(node.parts[0]), right = value(node.parts[1]);
-    const auto* text = std::get_if<std::string>(&left.data);
-    const auto* other = std::get_if<std::string>(&right.data);
-    if (text != nullptr && other != nullptr && (node.text == "==" || node.text == "!="))
-      return {Sampled::constant((*text == *other) == (node.text == "==") ? 1.0 : -1.0)};
-    const std::string what = cat("'", node.text, "'");
-    return placed(node, [&] { return related(node.text, left.as_number(what), right.as_number(what)); });
-  }
-
   Truth logic(const Node& node) {
-    const Sampled first = margin(node.parts[0], node);
-    if (node.text == "not") return {combine(first, negated)};
-    const Sampled second = margin(node.parts[1], node);
+    const Truth first = truth(node.parts[0], node);
+    if (node.text == "not") return Truth(combine(first.margin, negated));
+    const Truth second = truth(node.parts[1], node);
     const bool both = node.text == "and";
-    return {combine(first, second, [both](double a, double b) {
+    Sampled margin = combine(first.margin, second.margin, [both](double a, double b) {
       if (std::isnan(a) || std::isnan(b)) return a + b;
       return both ? std::min(a, b) : std::max(a, b);
-    })};
+    });
+    if (!both) return Truth(std::move(margin));
+    return {std::move(margin), first.parts + second.parts, first.true_parts + second.true_parts};
   }
 
   /// The items that a `for` makes. A list over numbers that ascend is a curve along them.
@@ -184,13 +197,20 @@ class Evaluator {
     return result;
   }
 
+  /// Whether the filter of an `each` lets its item pass.
+  bool chosen(const Node& node) {
+    const double margin = truth(node.parts[2], node).margin.estimate();
+    if (std::isnan(margin)) throw NotTestable("what 'if' asks for is no number");
+    return margin >= 0;
+  }
+
   void add(const Node& node, const FormulaValue& item, FormulaList& result) {
     const Node& inner = node.parts[1];
     if (inner.kind == Node::Kind::each) {
       for (FormulaValue& made : each(inner).items) result.items.push_back(std::move(made));
       return;
     }
-    if (node.parts.size() == 3 && margin(node.parts[2], node).estimate() < 0) return;
+    if (node.parts.size() == 3 && !chosen(node)) return;
     if (++items_ > kMostItems) throw error(node, "makes too many items; at most ", kMostItems, " in a formula");
     result.items.push_back(value(inner));
     const auto* number = std::get_if<Sampled>(&item.data);
@@ -261,12 +281,14 @@ FormulaValue Formula::evaluate(const FormulaNames& names, const FormulaData& dat
 
 Formula::Judged Formula::judge(const FormulaNames& names, const FormulaData& data) const {
   Evaluator evaluator(text_, place_, names, data);
-  const FormulaValue found = evaluator.value(root_);
-  if (!std::holds_alternative<Truth>(found.data))
-    throw formula_error(place_, text_, 1, "a claim is a statement such as a > b, this is ", found.type());
-  const Truth& truth = std::get<Truth>(found.data);
-  if (root_.kind != Node::Kind::relation) return {truth.margin, truth};
-  const FormulaValue left = evaluator.value(root_.parts[0]), right = evaluator.value(root_.parts[1]);
+  if (root_.kind != Node::Kind::relation) {
+    const FormulaValue found = evaluator.value(root_);
+    if (!std::holds_alternative<Truth>(found.data))
+      throw formula_error(place_, text_, 1, "a claim is a statement such as a > b, this is ", found.type());
+    const Truth& truth = std::get<Truth>(found.data);
+    return {truth.margin, truth};
+  }
+  const auto [left, right, truth] = evaluator.related(root_);
   if (!std::holds_alternative<Sampled>(left.data)) return {truth.margin, truth};
   const Sampled& value = std::get<Sampled>(left.data);
   const Sampled& bound = std::get<Sampled>(right.data);

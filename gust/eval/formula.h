@@ -14,7 +14,13 @@ namespace gust {
 /// How true a statement is in each resample: by how much it holds. It is true where the margin is not negative; a
 /// strict relation between equals falls short by the least number there is.
 struct Truth {
+  explicit Truth(Sampled by) : margin(std::move(by)), true_parts(margin.estimate() >= 0 ? 1 : 0) {}
+  Truth(Sampled by, std::size_t of, std::size_t true_of_them)
+      : margin(std::move(by)), parts(of), true_parts(true_of_them) {}
+
   Sampled margin;
+  std::size_t parts = 1;       ///< what `and` and `all` put together: statements that must all be true
+  std::size_t true_parts = 0;  ///< those that are, at the estimate
 };
 
 struct FormulaValue;

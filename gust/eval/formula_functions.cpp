@@ -1,5 +1,6 @@
 #include "gust/eval/formula_functions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -28,24 +29,21 @@ std::vector<Sampled> numbers_of(const Arguments& arguments, std::string_view wha
   return numbers;
 }
 
+std::vector<Truth> truths_of(const FormulaValue& list, std::string_view what) {
+  std::vector<Truth> truths;
+  for (const FormulaValue& item : list.as_list(what).items) truths.push_back(item.as_truth(what));
+  if (truths.empty()) throw NotTestable(cat("'", what, "' of nothing"));
+  return truths;
+}
+
 std::vector<Sampled> margins_of(const FormulaValue& list, std::string_view what) {
   std::vector<Sampled> margins;
-  for (const FormulaValue& item : list.as_list(what).items) margins.push_back(item.as_truth(what).margin);
-  if (margins.empty()) throw NotTestable(cat("'", what, "' of nothing"));
+  for (Truth& truth : truths_of(list, what)) margins.push_back(std::move(truth.margin));
   return margins;
 }
 
-/// The extreme of the values by an order; not a number where one of them is none.
-template <class Order>
-double extreme(Values values, Order order) {
-  double best = values.front();
-  for (const double value : values) {
-    if (std::isnan(value) || order(value, best)) best = value;
-  }
-  return best;
-}
-double smallest(Values values) { return extreme(values, std::less<>()); }
-double largest(Values values) { return extreme(values, std::greater<>()); }
+double smallest(Values values) { return *std::ranges::min_element(values); }
+double largest(Values values) { return *std::ranges::max_element(values); }
 double total(Values values) {
   double sum = 0;
   for (const double value : values) sum += value;
@@ -59,10 +57,15 @@ template <double (*kOf)(Values)>
 FormulaValue of_numbers(const Arguments& arguments) {
   return {combine(numbers_of(arguments, "a function of numbers"), kOf)};
 }
-template <double (*kOf)(Values)>
-FormulaValue of_margins(const Arguments& arguments) {
-  return {Truth{combine(margins_of(arguments[0], "all or any"), kOf)}};
+FormulaValue all(const Arguments& arguments) {
+  Truth whole(combine(margins_of(arguments[0], "all"), smallest), 0, 0);
+  for (const Truth& truth : truths_of(arguments[0], "all")) {
+    whole.parts += truth.parts;
+    whole.true_parts += truth.true_parts;
+  }
+  return {std::move(whole)};
 }
+FormulaValue any(const Arguments& arguments) { return {Truth(combine(margins_of(arguments[0], "any"), largest))}; }
 FormulaValue count(const Arguments& arguments) { return {combine(margins_of(arguments[0], "count"), holding)}; }
 FormulaValue share(const Arguments& arguments) {
   return {combine(margins_of(arguments[0], "share"),
@@ -96,6 +99,7 @@ FormulaValue at(const Arguments& arguments) {
   const Sampled& where = arguments[1].as_number("at");
   if (!where.is_constant()) throw Error("'at' needs a fixed place");
   const double x = where.estimate();
+  if (std::isnan(x)) throw NotTestable("'at' a place that is no number");
   const auto after = std::ranges::lower_bound(curve.axis, x);
   if (after == curve.axis.end() || x < curve.axis.front())
     throw BeyondLevels(cat(x, " lies beyond the levels, ", curve.axis.front(), " to ", curve.axis.back()));
@@ -121,14 +125,15 @@ FormulaValue end_of(const Arguments& arguments) {
   return kLast ? list.items.back() : list.items.front();
 }
 
-/// Two numbers that the data cannot tell apart are alike, and so are two that differ by no more than the tolerance.
+/// Two numbers that the data cannot tell apart are alike, by more than any number says, and so are two that differ by
+/// no more than the tolerance.
 FormulaValue alike(const Arguments& arguments) {
   const Sampled& a = arguments[0].as_number("alike");
   const Sampled& b = arguments[1].as_number("alike");
   const Interval of_a = interval_of(a), of_b = interval_of(b);
-  if (of_a.low <= of_b.high && of_b.low <= of_a.high) return {Truth{Sampled::constant(0.0)}};
+  if (of_a.low <= of_b.high && of_b.low <= of_a.high) return {Truth(Sampled::constant(kInfinity))};
   const Sampled apart = combine(a, b, [](double x, double y) { return std::abs(x - y); });
-  return {Truth{combine(arguments[2].as_number("alike"), apart, std::minus<>())}};
+  return {Truth(combine(arguments[2].as_number("alike"), apart, std::minus<>()))};
 }
 
 FormulaValue area(const Arguments& arguments) {
@@ -203,8 +208,8 @@ constexpr FormulaFunction kFunctions[] = {
     {"max", "list", "the greatest", 1, 99, of_numbers<largest>},
     {"sum", "list", "of the same", 1, 99, of_numbers<total>},
     {"abs", "number", "without its sign", 1, 1, absolute},
-    {"all", "list", "whether every statement of a list holds", 1, 1, of_margins<smallest>},
-    {"any", "list", "whether one of them does", 1, 1, of_margins<largest>},
+    {"all", "list", "whether every statement of a list holds", 1, 1, all},
+    {"any", "list", "whether one of them does", 1, 1, any},
     {"count", "list", "how many of them hold", 1, 1, count},
     {"share", "list", "which share of them holds, 0 to 1", 1, 1, share},
     {"alike", "number, number, tolerance",

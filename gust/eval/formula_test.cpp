@@ -105,6 +105,36 @@ TEST_CASE("numbers are alike where their intervals overlap or they are near") {
   CHECK_FALSE(truth("alike(1, 2, 0.5)"));
 }
 
+TEST_CASE("what holds because intervals overlap leaves the measure to the other parts") {
+  const Finding found = judged("alike(at(r('lqr'), 0), at(r('ppo'), 0), 0) and at(r('lqr'), 0) > at(r('ppo'), 3)");
+  CHECK(found.verdict.ruling == Ruling::holds);
+  CHECK(found.measured.estimate == 1.0 - 0.8 / 4.0);
+  CHECK(judged("not alike(at(r('lqr'), 0), at(r('ppo'), 0), 0)").verdict.ruling == Ruling::fails);
+}
+
+TEST_CASE("a claim counts the statements that and and all put together, and those that are true") {
+  const auto parts = [](std::string_view text) {
+    const Finding found = judged(text);
+    return std::pair(found.true_parts, found.parts);
+  };
+  CHECK(parts("1 < 2") == std::pair<std::size_t, std::size_t>(1, 1));
+  CHECK(parts("1 < 2 and 3 < 2 and not 2 < 1") == std::pair<std::size_t, std::size_t>(2, 3));
+  CHECK(parts("all(k < 3 and k > 1 for k in [1, 2, 3])") == std::pair<std::size_t, std::size_t>(4, 6));
+  CHECK(parts("any(k < 3 for k in [1, 2, 3]) or 1 < 2") == std::pair<std::size_t, std::size_t>(1, 1));
+  CHECK(parts("all(any(k < l for k in [1, 2]) for l in [1, 2])") == std::pair<std::size_t, std::size_t>(1, 2));
+  CHECK(parts("gone('ppo') > 1") == std::pair<std::size_t, std::size_t>(0, 0));
+}
+
+TEST_CASE("nothing that is computed from what is no number decides a claim") {
+  for (const char* unknown :
+       {"count(0 / 0 > x for x in [1, 2]) <= 0", "share([0 / 0 > 1]) < 0.5", "argmax([1 / x for x in [0, 1]]) >= 0",
+        "drop([1 / x for x in [0, 1]]) < 1", "rise([1 / x for x in [0, 1]]) < 1",
+        "reach([1 / x for x in [0, 1]], 9) > 1", "half([1 / x for x in [0, 1]]) > 0",
+        "spearman([1 / 0, 1], [1, 2]) > 0", "at(r('lqr'), 0 / 0) > 0.2", "at(r('lqr'), 1 / 0) > 0.2",
+        "max(x for x in [1, 2] if 1 / 0 > x) > 0", "half(r('lqr')) == 1 / 0"})
+    CHECK_MESSAGE(judged(unknown).verdict.ruling == Ruling::not_testable, unknown);
+}
+
 TEST_CASE("a claim holds where all resamples do, fails where none does, else it is undecided") {
   CHECK(judged("at(r('lqr'), 0) > 0.5").verdict.ruling == Ruling::holds);
   CHECK(judged("at(r('lqr'), 0) > 1.5").verdict.ruling == Ruling::fails);

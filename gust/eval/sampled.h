@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -21,7 +22,8 @@ struct Sampled {
   double at(std::size_t i) const { return values[is_constant() ? 0 : i]; }
 };
 
-/// function(values) in every resample, of numbers that have equally many or are constant.
+/// function(values) in every resample, of numbers that have equally many or are constant; not a number where one of
+/// them is none.
 template <class Function>
 Sampled combine(std::span<const Sampled> numbers, Function&& function) {
   Sampled result{std::vector<double>(1)};
@@ -31,7 +33,8 @@ Sampled combine(std::span<const Sampled> numbers, Function&& function) {
   std::vector<double> together(numbers.size());
   for (std::size_t i = 0; i < result.values.size(); ++i) {
     std::ranges::transform(numbers, together.begin(), [i](const Sampled& number) { return number.at(i); });
-    result.values[i] = function(std::span<const double>(together));
+    const auto unknown = std::ranges::find_if(together, [](double value) { return std::isnan(value); });
+    result.values[i] = unknown == together.end() ? function(std::span<const double>(together)) : *unknown;
   }
   return result;
 }

@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "gust/core/error.h"
+#include "gust/core/text.h"
 #include "gust/report/html.h"
 
 namespace gust {
 namespace {
 
-constexpr std::array<std::string_view, 6> kKinds = {"curves", "survival", "learning", "parameters", "grids", "replay"};
+constexpr std::array<std::string_view, 7> kKinds = {"curves", "survival",     "learning", "parameters",
+                                                    "grids",  "disturbances", "replay"};
 
 bool has_curves(const Page& page, bool of_sites, std::size_t metric) {
   return std::ranges::any_of(page.curves, [&](const Page::Curve& curve) {
@@ -30,13 +32,22 @@ std::string caption(const Page& page, std::string_view kind) {
         page.saturation_metric == Page::kNone ? "" : " Strip beneath: share of control steps with a saturated action.");
   }
   if (kind == "survival") return "Share of episodes that end without a failure; band: 95 % Wilson interval.";
-  if (kind == "learning")
-    return "Thin: one training seed. Thick: their mean, with its interval. Grey, dashed: another source.";
+  if (kind == "learning") {
+    std::vector<std::string> others;
+    for (const auto& learning : page.learning) {
+      const std::string source = escaped(learning.source);
+      if (!source.empty() && std::ranges::find(others, source) == others.end()) others.push_back(source);
+    }
+    return cat("Thin: one training seed. Thick: their mean, with its interval.",
+               others.empty() ? "" : cat(" Grey, dashed: ", join(others, "; "), "."));
+  }
   if (kind == "parameters") {
     return cat("The dotted line marks the value the policies were made for.",
                std::ranges::any_of(page.sweeps, is_limited) ? " Shaded: no policy can hold the plant there." : "");
   }
   if (kind == "grids") return "Two parameters at once, one map a policy.";
+  if (kind == "disturbances")
+    return "What was injected into a kept episode of each sweep, held over each control step.";
   return "Space plays, ← → step (with Shift: ten), [ ] change the speed, Home and End jump.";
 }
 
@@ -50,6 +61,11 @@ bool has_chart(const Page& page, std::string_view kind) {
   if (kind == "learning") return !page.learning.empty();
   if (kind == "parameters") return has_curves(page, false, Page::kNone);
   if (kind == "grids") return !page.grids.empty();
+  if (kind == "disturbances") {
+    return std::ranges::any_of(page.episodes, [](const Page::Episode& episode) {
+      return episode.sweep != Page::kNone && !episode.disturbances.empty();
+    });
+  }
   if (kind == "replay") return !page.episodes.empty();
   throw Bug(cat("no chart is called '", kind, "'"));
 }
@@ -60,6 +76,7 @@ std::string_view chart_title(std::string_view kind) {
   if (kind == "learning") return "How the policies learned";
   if (kind == "parameters") return "A different plant";
   if (kind == "grids") return "Two parameters at once";
+  if (kind == "disturbances") return "What was injected";
   return "Watch it";
 }
 

@@ -8,7 +8,8 @@
 
 namespace gust {
 
-/// What the page's scripts can draw: "curves", "survival", "learning", "parameters", "grids", "replay".
+/// What the page's scripts can draw: "curves", "survival", "learning", "parameters", "grids", "disturbances",
+/// "replay".
 std::span<const std::string_view> chart_kinds();
 
 /// Whether the page has anything to draw in a chart of this kind.

@@ -62,6 +62,7 @@ void check_page(const Page& page) {
   for (const auto& grid : page.grids) check_grid(page, grid);
   for (const auto& learning : page.learning) {
     GUST_CHECK(learning.policy < page.policies.size());
+    GUST_CHECK(learning.score < page.learning_scores.size());
     check_band(learning.mean, learning.steps.size());
     for (const auto& run : learning.runs) GUST_CHECK(run.steps.size() == run.score.size());
   }

@@ -18,8 +18,8 @@ constexpr std::array kScripts = {"elements.js", "theme.js", "specs.js",    "tool
                                  "export.js",   "scene.js", "cartpole.js", "quadrotor.js", "plots.js"};
 
 /// The body of startFigures(root, data), which runs once for each dataset.
-constexpr std::array kFigureScripts = {"data.js", "figure.js", "curves.js", "learning.js",
-                                       "heat.js", "replay.js", "begin.js"};
+constexpr std::array kFigureScripts = {"data.js", "figure.js",       "curves.js", "learning.js",
+                                       "heat.js", "disturbances.js", "replay.js", "begin.js"};
 
 constexpr std::size_t kColours = 8;  // --p0 … --p7 in page.css
 

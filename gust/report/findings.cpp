@@ -1,51 +1,17 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <map>
-#include <set>
+#include <iterator>
 
 #include "gust/core/text.h"
 #include "gust/eval/aggregate.h"
 #include "gust/report/html.h"
+#include "gust/report/measured_findings.h"
 #include "gust/report/printed_table.h"
 #include "gust/report/reproduction_results.h"
 #include "gust/report/verdicts.h"
 
 namespace gust {
 namespace {
-
-/// The cells of the main reading's curves along levels, from random starts.
-struct CurveCell {
-  const Study* study = nullptr;
-  const Series* series = nullptr;
-  std::size_t cell = 0;
-
-  const Sweep& sweep() const { return study->sweeps[series->sweep]; }
-  const StudyPolicy& policy() const { return study->policies[series->policy]; }
-  bool has(const std::string& metric) const {
-    return std::ranges::find(series->metrics, study->metric_set.index(metric, {})) != series->metrics.end();
-  }
-  double value(const std::string& metric) const { return series->at(study->metric_set.index(metric, {}), cell).value; }
-};
-
-template <class Visit>
-void for_each_curve(const PaperResults& results, Visit&& visit) {
-  const Reproduction& reproduction = results.reproduction;
-  for (std::size_t i = 0; i < reproduction.studies.size(); ++i) {
-    const Study& study = reproduction.studies[i].study;
-    if (reproduction.studies[i].reading != 0) continue;
-    for (const Series& series : results.summaries[i].series) {
-      if (series.sweep == Trial::kNominal || !study.starts[series.start].random) continue;
-      if (study.sweeps[series.sweep].along_levels()) visit(study, series);
-    }
-  }
-}
-
-/// "RARL".
-std::string capitals(std::string text) {
-  for (char& letter : text) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-  return text;
-}
 
 std::string counts_sentence(const PaperResults& results) {
   const std::vector<std::size_t> counts = verdict_counts(results);
@@ -65,8 +31,51 @@ std::string hardness_sentence(const PaperResults& results) {
     ++hard;
     hold += on.front()->verdict.ruling == Ruling::holds ? 1 : 0;
   }
-  return hard == 0 ? ""
-                   : cat("Of the ", hard, " that the paper states as facts, ", counted(hold, "holds", "hold"), ".");
+  return hard == 0
+             ? ""
+             : cat("Of the ", hard, " that the paper does not word softly, ", counted(hold, "holds", "hold"), ".");
+}
+
+/// "C3, C7"; "none" of none.
+std::string ids_text(const std::vector<std::string>& ids) { return ids.empty() ? "none" : join(ids, ", "); }
+
+/// A claim may put many statements together, and fails with one of them.
+std::string parts_sentence(const PaperResults& results) {
+  constexpr double kMost = 0.75;
+  std::size_t failing = 0;
+  std::vector<std::string> mostly;
+  for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
+    const std::vector<const PaperVerdict*> on = results.on(c);
+    if (on.empty() || on.front()->verdict.ruling != Ruling::fails || on.front()->parts < 2) continue;
+    ++failing;
+    if (static_cast<double>(on.front()->true_parts) >= kMost * static_cast<double>(on.front()->parts))
+      mostly.push_back(results.reproduction.paper->claims[c].id);
+  }
+  if (failing == 0) return "";
+  return cat("A claim is judged whole. Of those that fail ", failing,
+             " put several statements together; three quarters of them or more are true, at the estimate, in ",
+             ids_text(mostly), ".");
+}
+
+/// What the paper leads with.
+std::string leading_sentence(const PaperResults& results) {
+  const Paper& paper = *results.reproduction.paper;
+  const auto leads = std::ranges::find(paper.claims, true, &PaperClaim::leads);
+  const std::vector<const PaperVerdict*> on =
+      leads == paper.claims.end() ? std::vector<const PaperVerdict*>() : results.on(leads - paper.claims.begin());
+  if (on.empty()) return "";
+  std::vector<std::string> otherwise;
+  for (const PaperVerdict* verdict : on) {
+    if (verdict->verdict.ruling == Ruling::holds && verdict != on.front())
+      otherwise.push_back(paper.readings[verdict->reading].name);
+  }
+  const PaperVerdict& main = *on.front();
+  const bool holds = main.verdict.ruling == Ruling::holds;
+  return cat("What the paper leads with, ", leads->id, ", “", leads->text.substr(0, leads->text.find(" (")), "”, ",
+             holds ? "holds"
+                   : cat(main.verdict.ruling == Ruling::fails ? "fails" : "is not decided", ", with ", main.true_parts,
+                         " of ", counted(main.parts, "part", "parts"), " true"),
+             holds || otherwise.empty() ? "" : cat("; it holds under ", join(otherwise, ", ")), ".");
 }
 
 /// Claims that hold under one reading of the paper and fail under another; the printed tables are no reading of ours.
@@ -128,201 +137,30 @@ std::string one_training_sentence(const PaperResults& results) {
       failing == 0 ? "" : failed);
 }
 
-/// What the paper's metric makes of episodes that fail early.
-std::string early_failure_sentence(const PaperResults& results) {
-  std::size_t cells = 0;
-  double literal = 0, honest = 0;
-  for_each_curve(results, [&](const Study& study, const Series& series) {
-    for (std::size_t c = 0; c < series.cells; ++c) {
-      const CurveCell cell{&study, &series, c};
-      if (!cell.has("anr") || !cell.has("anr_h") || !(cell.value("survival") < 0.05)) continue;
-      ++cells;
-      literal += cell.value("anr");
-      honest += cell.value("anr_h");
-    }
-  });
-  if (cells == 0) return "";
-  const auto count = static_cast<double>(cells);
-  if (literal < 1.5 * honest) return "";  // then it hides nothing
-  return fmt::format(
-      "Where practically every episode fails ({} cells of policy, waveform, site and level) the paper's return over "
-      "length "
-      "still averages {:.2f}; over the whole horizon it is {:.2f}: the metric hides early failures.",
-      cells, literal / count, honest / count);
-}
-
-/// How much of what is injected into actions the actuators cut off.
-std::string saturation_sentence(const PaperResults& results) {
-  double most = 0;
-  std::string where;
-  for_each_curve(results, [&](const Study& study, const Series& series) {
-    const CurveCell cell{&study, &series, series.cells - 1};
-    if (cell.sweep().injection->site != Site::kAction || cell.policy().kind != StudyPolicy::Kind::kTrain) return;
-    const double share = cell.value("saturation");
-    if (!(share > most)) return;
-    most = share;
-    const Series* undisturbed = results.summary(0, study.name)->find(series.policy, Trial::kNominal, series.start);
-    where = cat(cell.policy().name, ", ", cell.sweep().name, " at ", cell.sweep().axes.front().values.back(), " ",
-                cell.sweep().unit(study.setup.plant->spec()), "; undisturbed ",
-                percent(undisturbed ? CurveCell{&study, undisturbed, 0}.value("saturation") : Page::kUnknown));
-  });
-  if (where.empty()) return "";
-  return cat("Disturbed actions saturate: at the end of the grids up to ", percent(most), " of the control steps (",
-             where, "), so that what is injected there reaches the plant only in part.");
-}
-
-/// How often the policies of the first figure that shows learning hold out where nothing disturbs.
-std::string undisturbed_sentence(const PaperResults& results) {
-  std::vector<std::pair<double, std::string>> parts;
-  for (std::size_t i = 0; i < results.summaries.size() && parts.empty(); ++i) {
-    const Study& study = results.reproduction.studies[i].study;
-    if (results.reproduction.studies[i].reading != 0 || results.summaries[i].curves.empty()) continue;
-    for (const Series& series : results.summaries[i].series) {
-      const StudyPolicy& policy = study.policies[series.policy];
-      if (series.sweep != Trial::kNominal || !study.starts[series.start].random) continue;
-      if (policy.kind != StudyPolicy::Kind::kTrain) continue;
-      const double share = CurveCell{&study, &series, 0}.value("survival");
-      if (std::isfinite(share)) parts.push_back({-share, cat(percent(share), " for ", policy.name)});
-    }
-  }
-  if (parts.empty()) return "";
-  std::ranges::sort(parts);
-  std::vector<std::string> names;
-  for (const auto& [share, text] : parts) names.push_back(text);
-  return cat("Where nothing disturbs, the share of episodes that last to their end is ", join(names, ", "), ".");
-}
-
-/// Whether a policy's undisturbed score is one that margins are ranked from (decision 4).
-bool stands_undisturbed(const PaperResults& results, const Study& study, const Series& series) {
-  const Summary& summary = *results.summary(0, study.name);
-  double best = 0;
-  for (std::size_t policy = 0; policy < study.policies.size(); ++policy) {
-    const double score = summary.undisturbed(policy, series.start);
-    if (std::isfinite(score)) best = std::max(best, score);
-  }
-  return !falls_short(summary.undisturbed(series.policy, series.start), best);
-}
-
-/// Where a linear regulator stands more than every agent, each disturbance once: as the first figure has it.
-std::string regulator_sentence(const PaperResults& results) {
-  struct Best {
-    const Series* first = nullptr;
-    const Study* study = nullptr;
-    Site site = Site::kAction;
-    double regulator = 0;
-    double agents = 0;
-    bool beyond_grid = true;  ///< of all of them
-  };
-  std::map<std::string, Best> disturbances;
-  for_each_curve(results, [&](const Study& study, const Series& series) {
-    const CurveCell cell{&study, &series, 0};
-    if (!series.has_margin || !std::isfinite(series.margin.level.estimate) ||
-        !stands_undisturbed(results, study, series))
-      return;
-    Best& best = disturbances[cat(study.setup.plant.kind, " ", cell.sweep().injection->canonical())];
-    if (best.first == nullptr) best = {.first = &series, .study = &study, .site = cell.sweep().injection->site};
-    if (best.study != &study || best.first->sweep != series.sweep) return;
-    const double level = series.margin.level.estimate;
-    best.beyond_grid = best.beyond_grid && series.margin.censored;
-    if (cell.policy().kind == StudyPolicy::Kind::kLqr) best.regulator = level;
-    if (cell.policy().kind == StudyPolicy::Kind::kTrain) best.agents = std::max(best.agents, level);
-  });
-  std::vector<std::string> parts;
-  for (const auto& [site, what] : {std::pair{Site::kAction, "disturbed actions"},
-                                   {Site::kDynamics, "dynamics"},
-                                   {Site::kObservation, "observations"}}) {
-    std::size_t compared = 0, ahead = 0;
-    for (const auto& [name, best] : disturbances) {
-      if (best.site != site || best.regulator == 0 || best.agents == 0 || best.beyond_grid) continue;
-      ++compared;
-      ahead += best.regulator >= best.agents ? 1 : 0;
-    }
-    if (compared > 0) parts.push_back(cat(ahead, " of ", compared, parts.empty() ? " sweeps of " : " of ", what));
-  }
-  if (parts.empty()) return "";
-  return cat(
-      "The linear regulator, which learned nothing, keeps 90 % of its score up to at least the level of the best "
-      "agent in ",
-      join(parts, ", "), ".");
-}
-
-/// Agents whose own policy learned from a part of the steps only.
-std::string budget_sentence(const PaperResults& results) {
-  std::map<std::string, double> shares;
-  for (std::size_t i = 0; i < results.summaries.size(); ++i) {
-    const Study& study = results.reproduction.studies[i].study;
-    if (results.reproduction.studies[i].reading != 0) continue;
-    for (const SeedCurve& curve : results.summaries[i].curves) {
-      const CurvePoint& last = curve.points.back();
-      if (last.steps > 0 && last.protagonist_steps < last.steps)
-        shares[capitals(study.policies[curve.policy].agent.kind)] =
-            static_cast<double>(last.protagonist_steps) / static_cast<double>(last.steps);
-    }
-  }
-  std::vector<std::string> parts;
-  for (const auto& [agent, share] : shares) parts.push_back(cat(agent, "'s policy learns from ", percent(share)));
-  if (parts.empty()) return "";
-  return cat("At equal numbers of steps ", join(parts, ", "), " of them; the rest trains its adversary.");
-}
-
-/// All that makes the policy of a map, but the number of its seeds: maps of several figures may share it.
-std::string training_of(const Study& study, const std::string& name) {
-  const StudyPolicy& policy = *std::ranges::find(study.policies, name, &StudyPolicy::name);
-  std::string text = policy.agent.canonical;
-  for (const Injection& injection : policy.disturbed) text += cat("; ", injection.canonical(), " ", injection.level);
-  return text;
-}
-
-/// Whether it helps to train with the noise of the test: against a policy that was trained without any.
-std::string training_noise_sentence(const PaperResults& results) {
-  std::size_t better = 0, apart = 0;
-  std::set<std::string> asked;
-  for (const PaperFigure& figure : results.reproduction.paper->figures) {
-    const Summary* summary = results.summary(0, figure.study);
-    if (summary == nullptr) continue;
-    const Study& study = results.reproduction.studies[*results.reproduction.find(0, figure.study)].study;
-    const auto random = std::ranges::find(study.starts, true, &StartProtocol::random);
-    for (const PaperMap& map : figure.maps) {
-      const std::vector<Estimate> cells = map_cells(map, study, *summary, margin_metric(study),
-                                                    static_cast<std::size_t>(random - study.starts.begin()));
-      if (cells.empty()) continue;
-      const Sweep& sweep = *std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
-      const std::vector<double>& levels = sweep.axes.front().values;
-      for (std::size_t level = 1; level < levels.size(); ++level) {  // the first one is none
-        const Estimate without = cells[level], with = cells[level * levels.size() + level];
-        if (std::isnan(without.value) || std::isnan(with.value)) continue;
-        if (!asked.insert(cat(training_of(study, map_policy(map, levels[level])), sweep.injection->canonical())).second)
-          continue;
-        better += with.value > without.value ? 1 : 0;
-        apart += with.low > without.high ? 1 : 0;
-      }
-    }
-  }
-  if (asked.empty()) return "";
-  return cat(
-      "Where the heat maps test with noise, the policy that was trained with the same noise is better than the one "
-      "that was trained without at ",
-      better, " of ", asked.size(), " levels, beyond both intervals at ", apart, ".");
-}
-
 /// What the paper prints in its tables beside what we measured.
 std::string tables_sentence(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
-  std::size_t printed = 0, measured = 0, within = 0, among = 0;
+  std::size_t printed = 0, measured = 0, within = 0, among = 0, strangers = 0, strange = 0;
   std::vector<double> ratios;
   std::vector<std::string> tables;
   for (const PaperFigure& figure : paper.figures) {
     const std::optional<std::size_t> at = results.reproduction.find(0, figure.study);
     if (!at || figure.table.empty()) continue;
     const std::size_t measured_before = measured, among_before = among;
-    for (const auto& cell : table_of(paper, figure, results.reproduction.studies[*at].study, results.summaries[*at])) {
+    const auto cells = table_of(paper, figure, results.reproduction.studies[*at].study, results.summaries[*at]);
+    for (const auto& cell : cells) {
       ++printed;
       if (cell.trainings.empty()) continue;
       ++measured;
       within += cell.ours.low <= cell.printed.value && cell.printed.value <= cell.ours.high ? 1 : 0;
       among += among_trainings(cell) ? 1 : 0;
       const Page::Estimate range = training_range(cell);
-      ratios.push_back(range.high / range.low);
+      if (among_trainings(cell)) ratios.push_back(range.high / range.low);
+      for (const auto& other : cells) {  // what agreement is worth: another policy's number in the same range
+        if (other.row != cell.row || other.column == cell.column) continue;
+        ++strangers;
+        strange += range.low <= other.printed.value && other.printed.value <= range.high ? 1 : 0;
+      }
     }
     if (measured > measured_before)
       tables.push_back(cat(among - among_before, " of ", measured - measured_before, " in ", figure.place));
@@ -331,22 +169,23 @@ std::string tables_sentence(const PaperResults& results) {
   return cat("Of the ", counted(measured, "number", "numbers"), " in the paper's tables",
              measured < printed ? " that were measured, " : ", ", counted(within, "lies", "lie"),
              " in the interval of our mean, and ", among,
-             " between the least and the greatest of our single trainings, ",
-             fmt::format("a factor of {:.2g} apart (median): ", aggregate(Statistic::median, ratios)),
-             join(tables, ", "), ".");
+             " between the least and the greatest of our single trainings: ", join(tables, ", "), ".",
+             ratios.empty() ? ""
+                            : fmt::format(" There these are a factor of {:.2g} apart (median); the number of another "
+                                          "policy of the same row would lie between them in {}.",
+                                          aggregate(Statistic::median, ratios),
+                                          percent(static_cast<double>(strange) / static_cast<double>(strangers))));
 }
 
 }  // namespace
 
 std::vector<std::string> findings(const PaperResults& results) {
-  std::vector<std::string> sentences;
-  for (std::string sentence :
-       {counts_sentence(results), hardness_sentence(results), tables_sentence(results), reading_sentence(results),
-        one_training_sentence(results), narrow_intervals_sentence(results), training_noise_sentence(results),
-        undisturbed_sentence(results), early_failure_sentence(results), saturation_sentence(results),
-        regulator_sentence(results), budget_sentence(results)}) {
-    if (!sentence.empty()) sentences.push_back(std::move(sentence));
-  }
+  std::vector<std::string> sentences = {counts_sentence(results),       hardness_sentence(results),
+                                        leading_sentence(results),      parts_sentence(results),
+                                        tables_sentence(results),       reading_sentence(results),
+                                        one_training_sentence(results), narrow_intervals_sentence(results)};
+  std::ranges::move(measured_findings(results), std::back_inserter(sentences));
+  std::erase(sentences, "");
   return sentences;
 }
 

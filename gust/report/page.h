@@ -126,7 +126,7 @@ struct Page {
     std::string command;
   };
 
-  /// How one policy's score grew while it was trained; a run per training seed, and their mean.
+  /// How one of a policy's scores changed while it was trained; a run per training seed, and their mean.
   struct Learning {
     struct Run {
       std::string seed;
@@ -134,7 +134,8 @@ struct Page {
       std::vector<double> score;
     };
     std::size_t policy = 0;
-    std::string source;  // whose curve, where it is not this study's: drawn in grey
+    std::size_t score = 0;  // of learning_scores
+    std::string source;     // whose curve or what else it is, where it is not one of this study's means: drawn in grey
     std::vector<double> steps;
     Band mean;  // along steps
     std::vector<Run> runs;
@@ -192,7 +193,7 @@ struct Page {
   std::vector<Curve> curves;
   std::vector<Grid> grids;
   std::vector<Learning> learning;
-  std::string learning_score = "return / 250";
+  std::vector<std::string> learning_scores = {"return / horizon"};  // as on an axis; the first is shown first
 
   std::size_t margin_metric = 0;
   double margin_share = 0.9;  // of the nominal score; below it the margin is spent
@@ -211,7 +212,7 @@ struct Page {
   std::size_t data_limit = 8'000'000;
 };
 
-/// One HTML file that needs nothing else: data, charts, replay and licences are inside. Throws Error where an index
+/// One HTML file that needs nothing else: data, charts, replay and licences are inside. Throws Bug where an index
 /// points outside its list or lengths contradict each other.
 std::string render_page(const Page& page);
 

@@ -112,7 +112,8 @@ std::string episode_json(const Page::Episode& episode, std::size_t number) {
 std::string learning_json(const Page::Learning& learning, std::size_t number) {
   const auto places = spread(learning.steps.size(), kPointsPerRun);
   JsonWriter json;
-  json.open('{').key("number").index(number).key("p").index(learning.policy).key("source").text(learning.source);
+  json.open('{').key("number").index(number).key("p").index(learning.policy).key("m").index(learning.score);
+  json.key("source").text(learning.source);
   json.key("x").numbers(at(learning.steps, places));
   write_band(json, learning.mean, places);
   return json.close('}').take();
@@ -260,7 +261,10 @@ void write_margins(JsonWriter& json, const Page& page) {
 }
 
 void write_rest(JsonWriter& json, const Page& page) {
-  json.key("name").text(page.name).key("interval").text(page.interval).key("learningScore").text(page.learning_score);
+  json.key("name").text(page.name).key("interval").text(page.interval);
+  json.key("learningScores").open('[');
+  for (const auto& score : page.learning_scores) json.text(score);
+  json.close(']');
   json.key("runCommand").text(page.run_command).key("exportCommand").text(page.export_command);
   if (page.survival_metric != Page::kNone) json.key("survival").index(page.survival_metric);
   if (page.saturation_metric != Page::kNone) json.key("saturation").index(page.saturation_metric);

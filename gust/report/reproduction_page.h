@@ -26,6 +26,8 @@ struct ReproductionPage {
     std::string reason;                    ///< a sentence
     bool printed = false;                  ///< it is about the paper's own numbers, not ours
     double one_training = Page::kUnknown;  ///< how likely it is to be true of one training of each policy
+    std::size_t parts = 0;                 ///< statements that the claim puts together; 0 where it could not be asked
+    std::size_t true_parts = 0;            ///< those that are true, at the estimate
   };
 
   struct Claim {

@@ -43,7 +43,7 @@ ReproductionPage small_page() {
   first.claims = {"C1", "C2"};
   first.shows = {"learning", "grids"};
   first.page.policies = {{"lqr", "lqr", 1}, {"ppo", "train ppo", 10}};
-  first.page.learning = {{1, "", {0, 1}, {{0.25, 0.5}, {}, {}}, {}}};
+  first.page.learning = {{.policy = 1, .source = "", .steps = {0, 1}, .mean = {{0.25, 0.5}, {}, {}}, .runs = {}}};
   auto& second = page.figures[1];
   second.id = "two";
   second.place = "Table I";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "gust/core/text.h"
 #include "gust/report/html.h"
@@ -110,34 +111,60 @@ std::string trained_text(const Study& study) {
   return parts.empty() ? "" : cat("Trained: ", join(parts, "; "), ".");
 }
 
-/// What the last third of its trainings adds to a policy's return over the horizon, against the third before.
-double late_gain(const Summary& summary, std::size_t policy) {
+/// "+0.031 for raac", with a true minus sign.
+std::string signed_text(double value, const std::string& name) {
+  return cat(value < 0 ? "−" : "+", fmt::format("{:.3f}", std::abs(value)), " for ", name);
+}
+
+/// A policy's return over the horizon while it was trained.
+struct LateCurve {
+  double change = 0;  ///< of the last third of the training against the third before
+  double peak = 0;    ///< of the mean over its trainings
+  double end = 0;
+};
+
+LateCurve late_curve(const Summary& summary, std::size_t policy) {
   double sums[2] = {}, counts[2] = {};
+  std::map<std::int64_t, std::pair<double, double>> at;  // sum and count
   for (const SeedCurve& curve : summary.curves) {
     if (curve.policy != policy || curve.points.empty()) continue;
     const std::int64_t whole = curve.points.back().steps;
     for (const CurvePoint& point : curve.points) {
+      at[point.steps].first += point.anr_h;
+      at[point.steps].second += 1;
       if (3 * point.steps <= whole) continue;
       const int third = 3 * point.steps > 2 * whole ? 1 : 0;
       sums[third] += point.anr_h;
       counts[third] += 1;
     }
   }
-  return sums[1] / counts[1] - sums[0] / counts[0];
+  LateCurve late{.change = sums[1] / counts[1] - sums[0] / counts[0]};
+  for (const auto& [steps, sum] : at) {
+    late.end = sum.first / sum.second;
+    late.peak = std::max(late.peak, late.end);
+  }
+  return late;
 }
 
-/// Whether the curves are flat at their ends; nothing where there are none.
+/// Whether the curves are flat at their ends, and which were higher before; nothing where there are none.
 std::string flatness_text(const Study& study, const Summary& summary) {
   if (summary.curves.empty()) return "";
-  constexpr double kFlat = 0.02;
-  std::vector<std::string> rising;
+  constexpr double kFlat = 0.02, kLost = 0.05;
+  std::vector<std::string> changes, lost;
   for (std::size_t p = 0; p < study.policies.size(); ++p) {
-    const double gain = late_gain(summary, p);
-    if (gain > kFlat) rising.push_back(fmt::format("{:.3f} to {}'s", gain, study.policies[p].name));
+    const LateCurve late = late_curve(summary, p);
+    const std::string& name = study.policies[p].name;
+    if (std::abs(late.change) > kFlat) changes.push_back(signed_text(late.change, name));
+    if (late.peak - late.end > kLost) lost.push_back(fmt::format("{} {:.2f} after {:.2f}", name, late.end, late.peak));
   }
-  return fmt::format(" The last third of the training adds {} more than {} to {} return over the horizon.",
-                     rising.empty() ? "no" : cat(join(rising, ", "), " and no"), kFlat,
-                     rising.empty() ? "any policy's" : "any other policy's");
+  const std::string others =
+      fmt::format("by no more than {} for {}", kFlat, changes.empty() ? "any policy" : "the others");
+  return cat(" In the last third of the training the return over the horizon changes ",
+             changes.empty() ? "" : cat("by ", join(changes, ", "), ", and "), others, ", against the third before.",
+             lost.empty() ? ""
+                          : cat(" What is measured is the policy at the end of its training; the mean over trainings "
+                                "was higher before: ",
+                                join(lost, ", "), "."));
 }
 
 ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t index, const std::string& command) {
@@ -233,7 +260,9 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
                                 verdict->seeds,
                                 verdict->verdict.reason,
                                 paper.readings[verdict->reading].printed,
-                                verdict->one_training});
+                                verdict->one_training,
+                                verdict->parts,
+                                verdict->true_parts});
     }
     page.claims.push_back(std::move(shown));
   }

@@ -44,15 +44,16 @@ std::string other_verdicts(const ReproductionPage& page, const ReproductionPage:
 
 std::string claims_table(const ReproductionPage& page, const ReproductionPage::Figure& figure) {
   std::string text =
-      "| claim | verdict | measured | true of one training each | another verdict under |\n| --- | --- | --- | --- | "
-      "--- |\n";
+      "| claim | verdict | measured | parts true | true of one training each | another verdict under |\n"
+      "| --- | --- | --- | --- | --- | --- |\n";
   for (const auto& claim : page.claims) {
     if (std::ranges::find(figure.claims, claim.id) == figure.claims.end()) continue;
     const auto& verdict = claim.verdicts.front();
     const std::string reading = verdict.reading == 0 ? "" : cat(" (", page.readings[verdict.reading].name, ")");
     text += cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", ruling_text(verdict.ruling),
                 reading, " | ", std::isnan(verdict.measured.value) ? cell(verdict.reason) : number(verdict.measured),
-                " | ", std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ",
+                " | ", verdict.parts > 1 ? cat(verdict.true_parts, " of ", verdict.parts) : "–", " | ",
+                std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ",
                 cell(other_verdicts(page, claim)), " |\n");
   }
   return text + "\n";

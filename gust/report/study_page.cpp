@@ -75,6 +75,12 @@ Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
   return page;
 }
 
+/// A column of learning curves that the page shows.
+struct LearningScore {
+  const char* title;
+  double CurvePoint::*column;
+};
+
 /// Writes a study into a page, part by part. Sweeps over two parameters become grids; the others keep their order, and
 /// `sweep_at` says where each one stands.
 class PageWriter {
@@ -197,16 +203,19 @@ class PageWriter {
     }
   }
 
-  /// The lowest score of each policy along each sweep, lowest first.
+  /// The lowest score of each policy along each sweep, lowest first. One that is no number counts as 0, as it does for
+  /// the margins; a sweep of which no score was measured has none.
   void worst_cells() {
+    const auto counted = [](double score) { return std::isnan(score) ? 0.0 : score; };
     for (const Series& series : summary_.series) {
       if (series.sweep == Trial::kNominal || sweep_at_[series.sweep] == Page::kNone) continue;
+      const auto score_at = [&](std::size_t cell) { return counted(series.at(summary_.margin_metric, cell).value); };
       std::size_t worst = 0;
       for (std::size_t cell = 1; cell < series.cells; ++cell) {
-        if (series.at(summary_.margin_metric, cell).value < series.at(summary_.margin_metric, worst).value)
-          worst = cell;
+        if (score_at(cell) < score_at(worst)) worst = cell;
       }
       const Estimate& score = series.at(summary_.margin_metric, worst);
+      if (std::isnan(score.value) && series.not_finite == 0) continue;
       page_.worst.push_back({sweep_at_[series.sweep],
                              series.policy,
                              series.start,
@@ -215,7 +224,7 @@ class PageWriter {
                              summary_.undisturbed(series.policy, series.start),
                              Page::kNone});
     }
-    std::ranges::stable_sort(page_.worst, {}, [](const Page::WorstCell& cell) { return cell.score.value; });
+    std::ranges::stable_sort(page_.worst, {}, [&](const Page::WorstCell& cell) { return counted(cell.score.value); });
     if (page_.worst.size() > kMostWorst) page_.worst.resize(kMostWorst);
   }
 
@@ -245,27 +254,20 @@ class PageWriter {
   }
 
   void learning() {
-    for (std::size_t p = 0; p < study_.policies.size(); ++p) {
-      if (study_.policies[p].kind != StudyPolicy::Kind::kTrain) continue;
-      Page::Learning learning;
-      learning.policy = p;
-      std::vector<double> own_steps;
-      for (const SeedCurve& curve : summary_.curves) {
-        if (curve.policy == p) own_steps = add_run(curve, learning);
-      }
-      if (learning.runs.empty()) continue;
-      add_mean(learning);
-      page_.learning.push_back(learning);
-      if (own_steps == learning.steps || own_steps.size() != learning.mean.value.size()) continue;
-      Page::Learning own{.policy = p, .source = "mean, by the steps that the policy learned from"};
-      own.steps = std::move(own_steps);
-      own.mean.value = learning.mean.value;
-      page_.learning.push_back(std::move(own));
+    std::vector<LearningScore> scores = {{"return / horizon", &CurvePoint::anr_h},
+                                         {"RMSE of safe-control-gym", &CurvePoint::rmse_scg}};
+    if (!study_.metric_set[metrics_.front()].higher_is_better()) std::swap(scores[0], scores[1]);  // it asks for errors
+    page_.learning_scores.clear();
+    for (const LearningScore& score : scores) {
+      for (std::size_t p = 0; p < study_.policies.size(); ++p) learning(p, score.column);
+      page_.learning_scores.emplace_back(score.title);
     }
+    const auto returns = std::ranges::find(scores, &CurvePoint::anr_h, &LearningScore::column);
     for (const ReferenceCurve& curve : study_.reference_curves) {
       const auto policy = std::ranges::find(study_.policies, curve.policy, &StudyPolicy::name);
       Page::Learning learning;
       learning.policy = static_cast<std::size_t>(policy - study_.policies.begin());
+      learning.score = static_cast<std::size_t>(returns - scores.begin());
       learning.source = curve.source;
       learning.steps = curve.steps;
       learning.mean.value = curve.score;
@@ -274,14 +276,34 @@ class PageWriter {
     }
   }
 
+  /// The next score's curves of one policy.
+  void learning(std::size_t policy, double CurvePoint::*column) {
+    Page::Learning learning{.policy = policy, .score = page_.learning_scores.size(), .source = ""};
+    std::vector<double> own_steps;
+    for (const SeedCurve& curve : summary_.curves) {
+      if (curve.policy != policy) continue;
+      std::vector<double> own = add_run(curve, column, learning);
+      if (own.size() > own_steps.size()) own_steps = std::move(own);
+    }
+    if (learning.runs.empty()) return;
+    add_mean(learning);
+    page_.learning.push_back(learning);
+    if (own_steps == learning.steps || own_steps.size() != learning.mean.value.size()) return;
+    Page::Learning own{
+        .policy = policy, .score = learning.score, .source = "mean, by the steps that the policy learned from"};
+    own.steps = std::move(own_steps);
+    own.mean.value = learning.mean.value;
+    page_.learning.push_back(std::move(own));
+  }
+
   /// Returns the steps that the policy itself had learned from at each point.
-  std::vector<double> add_run(const SeedCurve& curve, Page::Learning& learning) {
+  std::vector<double> add_run(const SeedCurve& curve, double CurvePoint::*column, Page::Learning& learning) {
     std::vector<double> own_steps;
     Page::Learning::Run run;
     run.seed = study_.policies[curve.policy].member(curve.member);
     for (const CurvePoint& point : curve.points) {
       run.steps.push_back(static_cast<double>(point.steps));
-      run.score.push_back(point.anr_h);
+      run.score.push_back(point.*column);
       own_steps.push_back(static_cast<double>(point.protagonist_steps));
     }
     learning.runs.push_back(std::move(run));

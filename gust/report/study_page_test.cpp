@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 
 #include "gust/report/study_episodes.h"
 #include "gust/study/study_fixture.h"
@@ -71,6 +72,36 @@ TEST_CASE("the worst cells come first and lead to the episodes that were kept of
     }
   }
   CHECK(linked > 0);
+}
+
+TEST_CASE("a cell whose score is no number is the worst of its sweep, one that was not measured is none") {
+  const ScratchFolder folder("gust-study-page-worst");
+  Study study = small_study();
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
+  Summary summary = summarise(study, outcome.plan, store, 1);
+  const auto lose_scores = [&](Series& series, std::size_t from, std::size_t count) {
+    const auto row = std::ranges::find(series.metrics, summary.margin_metric) - series.metrics.begin();
+    const auto first = series.values.begin() + row * static_cast<std::ptrdiff_t>(series.cells);
+    std::fill_n(first + static_cast<std::ptrdiff_t>(from), count,
+                Estimate{std::numeric_limits<double>::quiet_NaN(), 0, 0});
+  };
+  for (Series& series : summary.series) {
+    if (series.policy == 0 && series.sweep == 0 && series.start == 0) {
+      series.not_finite = 1;
+      lose_scores(series, 1, 1);
+    }
+    if (series.policy == 1 && series.sweep == 1 && series.start == 0) lose_scores(series, 0, series.cells);
+  }
+
+  const Page page = study_page(study, summary, {"run", "small.gust", "export", {}, {}});
+
+  REQUIRE(page.worst.size() == 7);
+  CHECK(page.worst[0].policy == 0);
+  CHECK(page.worst[0].sweep == 0);
+  CHECK(page.worst[0].level == 5.0);
+  for (std::size_t i = 2; i < page.worst.size(); ++i) CHECK(page.worst[i - 1].score.value <= page.worst[i].score.value);
+  CHECK_NOTHROW(render_page(page));
 }
 
 TEST_CASE("a kept episode is whole, and what fell says of what") {

@@ -165,6 +165,11 @@ std::string reason_beyond_number(const ReproductionPage::Verdict& verdict) {
   return join(parts, "; ");
 }
 
+/// "7 of 8 parts true"
+std::string parts_text(const ReproductionPage::Verdict& verdict) {
+  return cat(verdict.true_parts, " of ", verdict.parts, " parts true");
+}
+
 std::string seeds_text(const ReproductionPage::Verdict& verdict) {
   return verdict.seeds == 0 ? "" : counted(verdict.seeds, "seed", "seeds");
 }
@@ -177,9 +182,10 @@ std::string other_readings(const ReproductionPage& page, const ReproductionPage:
   std::string rows;
   for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
     const ReproductionPage::Verdict& verdict = claim.verdicts[i];
-    rows += cat("<tr><th scope=\"row\">", escaped(page.readings[verdict.reading].name), "</th><td>",
-                pill(verdict.ruling), "</td><td>", measured_html(verdict), "</td><td>", seeds_text(verdict),
-                "</td><td class=\"reason\">", escaped(reason_beyond_number(verdict)), "</td></tr>\n");
+    rows +=
+        cat("<tr><th scope=\"row\">", escaped(page.readings[verdict.reading].name), "</th><td>", pill(verdict.ruling),
+            "</td><td>", measured_html(verdict), "</td><td>", verdict.parts > 1 ? parts_text(verdict) : "", "</td><td>",
+            seeds_text(verdict), "</td><td class=\"reason\">", escaped(reason_beyond_number(verdict)), "</td></tr>\n");
   }
   if (rows.empty()) return "";
   return cat(
@@ -311,7 +317,8 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   if (verdict.seeds > 0) details.push_back(seeds_text(verdict));
   if (std::isfinite(verdict.one_training))
     details.push_back(cat("true of one training each in ", percent(verdict.one_training)));
-  details.push_back(claim.hard ? "stated as a fact" : "stated softly");
+  if (verdict.parts > 1) details.push_back(parts_text(verdict));
+  if (!claim.hard) details.push_back("worded softly");
   if (!claim.place.empty()) details.push_back(escaped(claim.place));
   if (verdict.reading > 0) details.push_back(cat("under ", escaped(page.readings[verdict.reading].name)));
   if (hangs_on_reading(claim)) details.push_back("<b>hangs on the reading</b>");

@@ -269,14 +269,14 @@ const std::vector<Sampled>& ClaimScores::cells(const Place& place, const std::st
 
 std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::string& metric) const {
   const Study& study = *place.source->study;
-  const std::size_t index = study.metric_set.index(metric, {"score"});
+  study.metric_set.index(metric, {"score"});  // an Error if there is no such metric
   const std::size_t start = index_of(study.starts, view_.start);
   if (start == study.starts.size()) throw Error(cat("the study '", study.name, "' has no start '", view_.start, "'"));
   if (place.source->store == nullptr) {
     std::size_t count = 1;
     for (std::size_t a = 0; place.sweep != Trial::kNominal && a < study.sweeps[place.sweep].axes.size(); ++a)
       count *= levels_of(study.sweeps[place.sweep], a).size();
-    return std::vector<Sampled>(count, Sampled::constant(1.0));
+    return std::vector<Sampled>(count, Sampled{{1.0, 1.0}});  // measured: no constants
   }
   std::vector<std::string> missing;
   std::vector<Sampled> cells;
@@ -285,10 +285,11 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     keep_in_order(members(place), *place.source->plan, group.trials);
     MemberRows rows(*place.source->plan, group, *place.source->store, missing);
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
+    if (!rows.has(metric)) throw NotTestable(cat("not measured: ", metric, " of ", study.policies[place.policy].name));
     const bool repeats = episodes_repeat(study, place.sweep, start);
     while (rows.next())
       cells.push_back(
-          sampled(study, place.policy, unit_values(rows.values(start, index, repeats).view()), over_units(place)));
+          sampled(study, place.policy, unit_values(rows.values(start, metric, repeats).view()), over_units(place)));
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
   return cells;

@@ -94,6 +94,7 @@ class Judge {
       const PrintedScores printed(paper_, paper_.figure(claim.figure)->table, scores.functions());
       const RenamedScores renamed(scores, reading.instead);
       const FormulaData& data = reading.printed ? static_cast<const FormulaData&>(printed) : renamed;
+      if (store_ == nullptr) formula.evaluate(paper_.names, data);  // a place beyond the levels is a mistake now
       finding = judge(formula, paper_.names, data);
       if (!reading.printed && finding.verdict.ruling != Ruling::not_testable)
         result.seeds = scores.fewest_seeds().value_or(0);
@@ -102,6 +103,9 @@ class Judge {
         const ClaimScores ones(sources(claim, question.reading), view, Rng(1).split("paper"));
         result.one_training = judge(formula, paper_.names, RenamedScores(ones, reading.instead)).share;
       }
+    } catch (const BeyondLevels& mistake) {  // of data that are there it is told by judge()
+      throw Error(cat(claim.id, ", ", reading.name, ": ", mistake.what()));
+    } catch (const NotTestable&) {  // a choice among scores that are yet to come
     } catch (const Error& error) {  // these data cannot answer; those with shapes only must
       if (store_ == nullptr) throw;
       finding.verdict = {Ruling::not_testable, error.what()};
@@ -109,6 +113,8 @@ class Judge {
     result.measured = finding.measured;
     result.verdict = std::move(finding.verdict);
     result.share = finding.share;
+    result.parts = finding.parts;
+    result.true_parts = finding.true_parts;
     if (result.decided() && result.seeds > 0 && result.seeds < kSeedsForVerdict)
       result.verdict = {Ruling::undecided, cat(result.seeds, " seeds are too few; ", result.verdict.reason)};
     return result;
@@ -134,15 +140,24 @@ class Judge {
     return claim.metric.empty() ? study.metric_set.name(margin_metric(study)) : claim.metric;
   }
 
+  /// Whether a claim asks for metrics by their names.
+  bool asks_metrics(const PaperClaim& claim) const {
+    const MetricSet& metrics = study_of(claim).metric_set;
+    for (std::size_t i = 0; i < metrics.size(); ++i) {
+      if (claim.formula->calls(metrics.name(i))) return true;
+    }
+    return false;
+  }
+
   /// Whether the reading changes anything that the claim asks for.
   bool bears_on(const PaperReading& reading, const PaperClaim& claim) const {
     if (!claim.formula) return false;
     if (!reading.claims.empty()) return std::ranges::find(reading.claims, claim.id) != reading.claims.end();
     if (reading.printed) return !paper_.figure(claim.figure)->table.empty();
-    const std::string& text = claim.formula->text();
-    const bool asks_scores = text.find("score(") != std::string::npos;
-    if (reading.median) return asks_scores || text.find("curve(") != std::string::npos;
-    if (!reading.start.empty()) return asks_scores || text.find("survival(") != std::string::npos;
+    const bool asks_scores = claim.formula->calls("score");
+    const bool asks_episodes = asks_scores || asks_metrics(claim);
+    if (reading.median) return asks_episodes || claim.formula->calls("curve") || claim.formula->calls("own_curve");
+    if (!reading.start.empty()) return asks_episodes;
     if (!reading.instead.empty()) return asks_scores && reading.instead.contains(metric_of(claim));
     return std::ranges::any_of(claim.from, [&](const std::string& study) {
       return std::ranges::find(reading.figures, study) != reading.figures.end();

@@ -115,7 +115,8 @@ PaperFigure parse_figure(const Table& table) {
 }
 
 PaperClaim parse_claim(const Table& table, const Paper& paper) {
-  check_keys(table, {"id", "figure", "from", "soft", "text", "metric", "reading", "holds", "missing"}, "a claim");
+  check_keys(table, {"id", "figure", "from", "soft", "leads", "text", "metric", "reading", "holds", "missing"},
+             "a claim");
   PaperClaim claim;
   claim.id = required_text(table, "id", "a claim");
   claim.text = required_text(table, "text", "a claim");
@@ -123,6 +124,7 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
   claim.from = texts_of(table, "from");
   if (claim.from.empty()) claim.from = {claim.figure};
   claim.soft = flag_of(table, "soft");
+  claim.leads = flag_of(table, "leads");
   claim.metric = text_of(table, "metric");
   claim.reading = text_of(table, "reading");
   check_figures(paper, {claim.figure}, table);
@@ -140,6 +142,9 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
 
 void parse_manifest(std::string_view text, Paper& paper) {
   const Table table = parse_toml(text, "paper.toml");
+  const Value* schema = table.find("schema");
+  if (schema == nullptr || schema->as_int("schema") != 1)
+    throw error_at(table.place, "a paper begins with 'schema = 1'");
   check_keys(table, {"schema", "name", "title", "source", "note", "profile", "reading", "figure"}, "a paper");
   paper.name = required_text(table, "name", "a paper");
   paper.title = required_text(table, "title", "a paper");
@@ -163,6 +168,12 @@ void parse_claims(std::string_view text, Paper& paper) {
       throw error_at(item.place, "duplicate claim ", claim.id);
     paper.claims.push_back(std::move(claim));
   });
+  for (const PaperReading& reading : paper.readings) {
+    for (const std::string& id : reading.claims) {
+      if (std::ranges::find(paper.claims, id, &PaperClaim::id) == paper.claims.end())
+        throw error_at(table.place, "the reading '", reading.name, "' speaks of ", id, ", which is no claim");
+    }
+  }
 }
 
 }  // namespace

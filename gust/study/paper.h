@@ -57,6 +57,7 @@ struct PaperClaim {
   std::string id;
   std::string text;
   bool soft = false;              ///< the paper itself words it softly
+  bool leads = false;             ///< what the paper leads with: the findings name it
   std::string figure;             ///< where it stands on the page
   std::vector<std::string> from;  ///< the studies that its scores come from
   std::string metric;             ///< of score(); empty: that of the first study's margins

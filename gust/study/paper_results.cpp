@@ -20,13 +20,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 4;
+constexpr int kSchema = 5;
 constexpr const char* kDescription = "reproduction.json";
 constexpr const char* kClaims = "claims.csv";
 
 bool shows(const PaperFigure& figure, std::string_view part) {
   return std::ranges::find(figure.shows, part) != figure.shows.end();
 }
+
+bool shows_episodes(const PaperFigure& figure) { return shows(figure, "replay") || shows(figure, "disturbances"); }
 
 /// The files of one study under one reading, without what tells them apart.
 fs::path stem_of(const Reproduction& reproduction, const ReproductionStudy& study) {
@@ -96,14 +98,15 @@ class ResultsReader {
 
 std::string claims_csv(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
-  std::string text =
-      csv_line({"id", "reading", "verdict", "estimate", "low", "high", "seeds", "share", "one_training", "reason"});
+  std::string text = csv_line({"id", "reading", "verdict", "estimate", "low", "high", "seeds", "share", "one_training",
+                               "true_parts", "parts", "reason"});
   for (const PaperVerdict& verdict : results.verdicts) {
     const Interval& measured = verdict.measured;
     text += csv_line({paper.claims[verdict.claim].id, paper.readings[verdict.reading].name,
                       std::string(ruling_name(verdict.verdict.ruling)), number_text(measured.estimate),
                       number_text(measured.low), number_text(measured.high), cat(verdict.seeds),
-                      number_text(verdict.share), number_text(verdict.one_training), verdict.verdict.reason});
+                      number_text(verdict.share), number_text(verdict.one_training), cat(verdict.true_parts),
+                      cat(verdict.parts), verdict.verdict.reason});
   }
   return text;
 }
@@ -132,6 +135,8 @@ void read_claims(ResultsReader& files, PaperResults& results) {
     verdict.seeds = table.whole(i, "seeds");
     verdict.share = table.number(i, "share");
     verdict.one_training = table.number(i, "one_training");
+    verdict.true_parts = table.whole(i, "true_parts");
+    verdict.parts = table.whole(i, "parts");
     verdict.verdict = {ruling_from(table.text(i, "verdict"), table.place(i)), table.text(i, "reason")};
     results.verdicts.push_back(std::move(verdict));
   }
@@ -210,7 +215,7 @@ std::string PaperResults::label() const {
   const std::optional<std::int64_t> seeds = reproduction.choice.seeds ? reproduction.choice.seeds : profile.seeds;
   std::vector<std::string> parts;
   if (profile.steps < 1.0) parts.push_back(fmt::format("{:.3g} % of the training steps", 100 * profile.steps));
-  if (seeds) parts.push_back(cat(*seeds, *seeds == 1 ? " seed" : " seeds", " of each training"));
+  if (reproduction.fewer_seeds) parts.push_back(cat(*seeds, *seeds == 1 ? " seed" : " seeds", " of each training"));
   if (missing > 0)
     parts.push_back(cat(missing, missing == 1 ? " known trial is" : " known trials are", " still to be run"));
   if (parts.empty()) return "";
@@ -241,7 +246,7 @@ void reduce_to_tables(PaperResults& results) {
   for (std::size_t i = 0; i < results.summaries.size(); ++i) {
     const PaperFigure& figure = results.reproduction.paper->figures[results.reproduction.studies[i].figure];
     if (!shows(figure, "learning")) results.summaries[i].curves.clear();
-    if (!shows(figure, "replay")) results.summaries[i].kept.clear();
+    if (!shows_episodes(figure)) results.summaries[i].kept.clear();
   }
 }
 
@@ -261,7 +266,7 @@ void write_results(const PaperResults& results, const fs::path& folder) {
     files.write(with(stem, ".csv"), cells_csv(part.study, results.summaries[i]));
     if (shows(figure, "learning"))
       files.write(with(stem, "-learning.csv"), curves_csv(part.study, results.summaries[i]));
-    for (std::size_t k = 0; shows(figure, "replay") && k < results.summaries[i].kept.size(); ++k)
+    for (std::size_t k = 0; shows_episodes(figure) && k < results.summaries[i].kept.size(); ++k)
       files.write(with(stem, cat("-", k + 1, ".json")), kept_text(part.study, results.summaries[i].kept[k]));
   }
   files.write(kClaims, claims_csv(results));
@@ -279,7 +284,7 @@ PaperResults read_results(const fs::path& folder) {
     read_cells(files.read(cells), files.path(cells), part.study, summary);
     const fs::path learning = with(stem, "-learning.csv");
     if (shows(figure, "learning")) read_curves(files.read(learning), files.path(learning), part.study, summary);
-    for (std::size_t k = 1; shows(figure, "replay") && files.has(with(stem, cat("-", k, ".json"))); ++k)
+    for (std::size_t k = 1; shows_episodes(figure) && files.has(with(stem, cat("-", k, ".json"))); ++k)
       summary.kept.push_back(read_kept(files, with(stem, cat("-", k, ".json")), part.study));
   }
   read_claims(files, results);
@@ -287,7 +292,10 @@ PaperResults read_results(const fs::path& folder) {
   return std::move(results);
 }
 
-bool holds_results(const fs::path& folder) { return fs::exists(folder / kDescription); }
+bool holds_results(const fs::path& folder) {
+  std::error_code unknown;
+  return fs::exists(folder / kDescription, unknown);
+}
 
 void write_headline_policies(const Reproduction& reproduction, const std::vector<Plan>& plans, const Store& store,
                              const fs::path& folder) {

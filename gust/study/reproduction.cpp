@@ -44,6 +44,13 @@ std::vector<std::string> profile_settings(const Study& study, const PaperProfile
   return settings;
 }
 
+/// Of its trainings.
+std::int64_t most_seeds(const Study& study) {
+  std::size_t most = 0;
+  for (const StudyPolicy& policy : study.policies) most = std::max(most, policy.seeds.size());
+  return static_cast<std::int64_t>(most);
+}
+
 /// The settings of a reading for one of its studies.
 std::vector<std::string> reading_settings(const PaperReading& reading, const std::string& study) {
   constexpr std::string_view kStudy = "{study}";
@@ -93,8 +100,9 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       const std::string file = cat("studies/paper/", study, ".toml");
       const std::string_view text = paper_study(study);
       std::vector<std::string> settings = reading_settings(reading, study);
-      std::ranges::move(profile_settings(parse_study(text, file, settings, no_files), *reproduction.profile, seeds),
-                        std::back_inserter(settings));
+      const Study whole = parse_study(text, file, settings, no_files);
+      reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
+      std::ranges::move(profile_settings(whole, *reproduction.profile, seeds), std::back_inserter(settings));
       reproduction.studies.push_back({r, f, parse_study(text, file, settings, no_files)});
     }
   }

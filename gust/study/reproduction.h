@@ -25,6 +25,7 @@ struct Reproduction {
   ReproductionChoice choice;
   const PaperProfile* profile = nullptr;
   std::vector<ReproductionStudy> studies;
+  bool fewer_seeds = false;  ///< some training has more in its study than are to be run
 
   /// Where a figure's study under a reading stands, which is the main one's where the reading leaves it alone; none if
   /// it is not to be run.
@@ -48,6 +49,8 @@ struct PaperVerdict {
   /// fewer than kSeedsForVerdict, or one training says nothing of the claim: of intervals, or how seeds differ.
   double one_training = std::numeric_limits<double>::quiet_NaN();
   double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples of the seeds in which it is true
+  std::size_t parts = 0;       ///< statements that the claim puts together (Truth); 0 where it could not be asked
+  std::size_t true_parts = 0;  ///< those that are true, at the estimate
 
   bool decided() const { return verdict.ruling == Ruling::holds || verdict.ruling == Ruling::fails; }
   /// Whether a verdict stays decided where the interval is widened for its few seeds (widened_tail).

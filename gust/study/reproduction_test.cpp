@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <set>
 
 using namespace gust;
@@ -21,6 +23,66 @@ TEST_CASE("the paper has its 72 claims, and each can be asked under each reading
   REQUIRE(paper.claims.size() == 72);
   for (std::size_t i = 0; i < paper.claims.size(); ++i) CHECK(paper.claims[i].id == cat("C", i + 1));
   CHECK_NOTHROW(check_claims(reproduction));
+}
+
+TEST_CASE("a place beyond the levels is a mistake before any work, whichever reading asks for it") {
+  const Paper& paper = paper_at("paper");
+  Reproduction reproduction = open_reproduction(paper, {.profile = "quick", .only = {"one-grid"}, .seeds = 1});
+  for (ReproductionStudy& part : reproduction.studies) {
+    Sweep& sweep = *std::ranges::find(part.study.sweeps, "action step, one grid", &Sweep::name);
+    std::erase_if(sweep.axes.front().values, [](double level) { return level > 4; });
+  }
+
+  CHECK_THROWS_WITH_AS(check_claims(reproduction), "C15, scg-2022: 5 lies beyond the levels, 0 to 3", Error);
+}
+
+TEST_CASE("medians of trainings bear on every claim that asks for trainings, by whatever name") {
+  const Paper& paper = paper_at("paper");
+  const Reproduction reproduction = open_reproduction(paper, {.profile = "quick", .only = {"sawtooth"}, .seeds = 1});
+  const std::vector<Plan> plans(reproduction.studies.size());
+  const std::filesystem::path nowhere = std::filesystem::temp_directory_path() / "gust-no-such-store-either";
+  const Store store(nowhere, Store::Access::write);
+  std::set<std::string> asked;
+  for (const PaperVerdict& verdict : judge_paper(reproduction, plans, store, 1)) {
+    if (paper.readings[verdict.reading].median) asked.insert(paper.claims[verdict.claim].id);
+  }
+  std::filesystem::remove_all(nowhere);
+
+  CHECK(asked == std::set<std::string>{"C23", "C24", "C25", "C26"});  // C25 asks for survival
+}
+
+TEST_CASE("more seeds than the studies have are no miniature") {
+  const Paper& paper = paper_at("paper");
+  CHECK_FALSE(open_reproduction(paper, {.only = {"learning-curves"}, .seeds = 10}).fewer_seeds);
+  CHECK(open_reproduction(paper, {.only = {"learning-curves"}, .seeds = 9}).fewer_seeds);
+}
+
+TEST_CASE("a reading speaks of claims that there are") {
+  constexpr std::string_view kManifest = R"(
+schema = 1
+name = "p"
+title = "P"
+source = "S"
+[[profile]]
+name = "paper"
+[[reading]]
+name = "main"
+says = "As it is."
+[[reading]]
+name = "other"
+says = "Otherwise."
+claims = ["C2"]
+[[figure]]
+study = "white"
+place = "Figure 4"
+title = "White noise"
+says = "Noise."
+)";
+  constexpr std::string_view kClaims = "[[claim]]\nid = \"C1\"\nfigure = \"white\"\ntext = \"so\"\nholds = \"1 > 0\"\n";
+  constexpr std::string_view kTables = "table,row,column,mean,std,highlighted\n";
+
+  CHECK_THROWS_WITH_AS(parse_paper({kManifest, kClaims, kTables}),
+                       doctest::Contains("the reading 'other' speaks of C2, which is no claim"), Error);
 }
 
 TEST_CASE("the claims of the tables hold or fail in the paper's own numbers as its authors say") {

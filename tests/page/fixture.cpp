@@ -165,7 +165,7 @@ void add_parameters(Page& page) {
 
 void add_learning(Page& page) {
   for (std::size_t p = 1; p < 3; ++p) {
-    Page::Learning learning{p, "", {}, {}, {}};
+    Page::Learning learning{.policy = p, .source = "", .steps = {}, .mean = {}, .runs = {}};
     for (int k = 0; k <= 50; ++k) learning.steps.push_back(20000.0 * k);
     const std::size_t seeds = page.policies[p].seeds;
     std::vector<double> sum(learning.steps.size(), 0);
@@ -188,7 +188,17 @@ void add_learning(Page& page) {
     }
     page.learning.push_back(std::move(learning));
   }
-  Page::Learning other{1, "reference implementation", page.learning[0].steps, {}, {}};
+  page.learning_scores = {"return / horizon", "RMSE"};
+  Page::Learning error = page.learning[0];
+  error.score = 1;
+  for (auto* values : {&error.mean.value, &error.mean.low, &error.mean.high, &error.runs[0].score}) {
+    for (double& value : *values) value = 2.0 * (1.0 - value);
+  }
+  std::swap(error.mean.low, error.mean.high);
+  error.runs.resize(1);
+  page.learning.push_back(std::move(error));
+  Page::Learning other{
+      .policy = 1, .source = "reference implementation", .steps = page.learning[0].steps, .mean = {}, .runs = {}};
   for (const double step : other.steps) other.mean.value.push_back(0.975 * logistic((step - 70000) / 15000));
   page.learning.push_back(std::move(other));
 }
@@ -301,8 +311,8 @@ Page hostile_page() {
   const std::string bad =
       "</script><script>window.hacked=1</script><img src=x onerror=\"window.hacked=1\"> {{data}} '\"& \xE2\x80\xAE txt "
       "\xFF [x](y)";
-  page.name = page.question = page.plant = page.interval = page.run_command = page.study_text = page.learning_score =
-      bad;
+  page.name = page.question = page.plant = page.interval = page.run_command = page.study_text = bad;
+  page.learning_scores = {bad, bad};
   page.warnings = page.answer = page.confidence = {bad};
   page.provenance = {{bad, bad}};
   for (auto& policy : page.policies) policy = {cat(bad, &policy - page.policies.data()), bad, policy.seeds};

@@ -45,6 +45,13 @@ Page learning_page(const Page& demo) {
   return page;
 }
 
+Page injected_page(const Page& demo) {
+  Page page = empty_page(demo, "disturbances");
+  page.sweeps = demo.sweeps;
+  page.episodes = demo.episodes;
+  return page;
+}
+
 Page plant_page(const Page& demo) {
   Page page = waveform_page(demo, "two-parameters", "pole_length");
   page.grids = demo.grids;
@@ -129,6 +136,10 @@ ReproductionPage reproduction_page() {
   learning.claims = {"C1", "C2"};
   learning.shows = {"learning"};
   learning.page = learning_page(demo);
+  ReproductionPage::Figure injected{"injected", "Figure 3", "The disturbances"};
+  injected.says = "What is injected, in words.";
+  injected.shows = {"disturbances", "replay"};
+  injected.page = injected_page(demo);
   ReproductionPage::Figure white{"white", "Figure 4", "White noise"};
   white.says = "The return falls linearly at the dynamics site and hardly at the others.";
   white.claims = {"C3", "C4", "C5", "C6"};
@@ -139,7 +150,7 @@ ReproductionPage reproduction_page() {
   plant.claims = {"C7", "C8", "C9"};
   plant.shows = {"parameters", "grids", "replay"};  // there is no episode: no replay
   plant.page = plant_page(demo);
-  page.figures = {learning, white, plant, table_figure()};
+  page.figures = {learning, injected, white, plant, table_figure()};
   page.run_command = "gust reproduce paper --profile quick";
   page.provenance = {{"gust", "0.1.0"}, {"profile", "quick"}, {"machine", "2 cores, x86-64-v3"}};
   return page;

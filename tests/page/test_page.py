@@ -54,6 +54,21 @@ def test_the_start_protocol_changes_curves_and_margins(opened):
     expect(line).not_to_have_attribute("d", before)
 
 
+def test_learning_curves_are_drawn_of_the_score_that_is_chosen(opened):
+    page = opened("demo")
+    figure = page.locator("#figure-learning")
+    line = chart(page, "learning").locator(".mark-line path").first
+    before = line.get_attribute("d")
+    assert downloaded(page, "learning", "CSV")[1].decode().splitlines()[1].startswith("ppo,return / horizon,mean,0,")
+
+    figure.get_by_role("button", name="RMSE").click()
+
+    expect(line).not_to_have_attribute("d", before)
+    rows = downloaded(page, "learning", "CSV")[1].decode().splitlines()
+    assert len(rows) == 1 + 2 * 51 and all(row.startswith("ppo,RMSE,") for row in rows[1:])
+    expect(figure.locator(".chart").first).to_have_attribute("aria-label", re.compile("RMSE against training steps"))
+
+
 def test_a_policy_can_be_hidden_and_shown(opened):
     page = opened("demo")
     lines = chart(page, "survival").locator(".mark-line path")

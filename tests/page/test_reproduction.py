@@ -6,7 +6,8 @@ import pytest
 from browsing import PHONE, stays_small_and_opens_quickly
 from playwright.sync_api import expect
 
-CHARTS = {"learning": ["learning"], "white": ["curves", "survival"], "plant": ["parameters", "grids"]}
+CHARTS = {"learning": ["learning"], "injected": ["disturbances", "replay"], "white": ["curves", "survival"],
+          "plant": ["parameters", "grids"]}
 
 
 def drawing(page, figure, kind, index=0):
@@ -49,6 +50,29 @@ def test_a_choice_in_one_figure_leaves_the_others_alone(opened):
     assert drawing(page, "plant", "parameters").locator(".mark-line path").first.get_attribute("d") == other
 
 
+def test_what_was_injected_is_drawn_once_a_sweep(opened):
+    page = opened("reproduction")
+    figure = page.locator("#figure-injected [data-figure=disturbances]")
+    data = page.evaluate("JSON.parse(document.querySelector('#figure-injected > script').textContent)")
+    kept = [next(one for one in data["episodes"] if one.get("s") == s) for s in sorted({one["s"] for one in data["episodes"] if "s" in one})]
+
+    assert figure.locator("h4").all_inner_texts() == [data["sweeps"][one["s"]]["name"] for one in kept]
+    drawing(page, "injected", "disturbances")
+    with page.expect_download() as event:
+        figure.get_by_role("button", name="CSV").click()
+    rows = [line.split(",") for line in open(event.value.path()).read().splitlines()[1:]]
+    first = kept[0]["disturbances"][0]["v"]
+    assert [float(row[3]) for row in rows[:len(first)]] == first
+
+
+def test_the_key_of_the_replay_is_as_wide_as_its_words(opened):
+    page = opened("reproduction")
+    drawing(page, "injected", "replay")
+
+    for mark in page.locator("#figure-injected .legend .mark:visible").all():
+        assert mark.bounding_box()["height"] < 25  # one line
+
+
 def test_a_policy_looks_the_same_in_every_figure(opened):
     page = opened("reproduction")
 
@@ -62,7 +86,7 @@ def test_a_policy_looks_the_same_in_every_figure(opened):
         assert len(set(colours)) == 1
 
 
-@pytest.mark.parametrize("figure, kind", [("learning", "learning"), ("white", "curves"), ("plant", "grids")])
+@pytest.mark.parametrize("figure, kind", [("learning", "learning"), ("injected", "disturbances"), ("white", "curves"), ("plant", "grids")])
 def test_every_chart_gives_its_data(opened, figure, kind):
     page = opened("reproduction")
     drawing(page, figure, kind)
