@@ -87,8 +87,9 @@ def test_a_damaged_file_is_found_told_and_computed_again(runs, finished, name):
     path.write_bytes(damaged)
 
     if name == "rows.bin":  # a command that only reads tells it and leaves it where it is
-        assert f"damaged: {path}: its hash differs" in runs.gust("export", out, "--csv", "x.csv", code=2)
-        assert path.exists() and not (runs.folder / "x.csv").exists()
+        assert f"damaged: {path}: its hash differs" in runs.gust("export", out, "--csv", "x.csv", code=1)
+        rest = (runs.folder / "x.csv").read_bytes().splitlines()
+        assert path.exists() and set(rest) < set(finished[1][0].splitlines())
     said = runs.finish("out")
 
     assert "damaged: " in said and name in said and "computed again" in said
