@@ -1,9 +1,13 @@
 #include "gust/eval/margin.h"
 
+#include <algorithm>
+#include <boost/math/distributions/non_central_t.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "gust/core/error.h"
-#include "gust/eval/resampled_mean.h"
+#include "gust/core/math.h"
 #include "gust/eval/statistics.h"
 
 namespace gust {
@@ -20,21 +24,14 @@ void check_curve(const Curve& curve) {
   }
 }
 
-/// The scores at one level, one a seed, or one an episode if there is one seed.
-std::vector<double> unit_scores(const Cell& cell) {
-  Matrix<double> counted(cell.rows, cell.lanes);
-  for (std::size_t seed = 0; seed < cell.rows; ++seed) {
-    for (std::size_t episode = 0; episode < cell.lanes; ++episode) {
-      const double score = cell.at(seed, episode);
-      counted.at(seed, episode) = std::isnan(score) ? 0.0 : score;
-    }
+void check_curve(const MarginCurve& curve) {
+  GUST_CHECK(!curve.levels.empty() && curve.levels.size() == curve.scores.size() && curve.levels.front() >= 0);
+  const std::size_t units = curve.scores.front().size();
+  GUST_CHECK(units > 0 && (curve.undisturbed.size() == units || curve.undisturbed.size() == 1));
+  for (std::size_t i = 0; i < curve.levels.size(); ++i) {
+    GUST_CHECK(curve.scores[i].size() == units);
+    GUST_CHECK(i == 0 || curve.levels[i] > curve.levels[i - 1]);
   }
-  return unit_values(counted.view());
-}
-
-/// One seed's curve is the mean over its episodes, whatever the statistic of the seeds.
-std::size_t dropped(const Interval& interval, Statistic statistic) {
-  return interval.unit == Unit::seeds ? dropped_values(statistic, interval.n) : 0;
 }
 
 /// Where a score that is not below the threshold at one level and is at the next one falls below it.
@@ -42,66 +39,43 @@ double crossing_between(double level, double next_level, double score, double ne
   return level + (score - threshold) / (score - next_score) * (next_level - level);
 }
 
-/// Follows the curves of a block of resamples from level to level: what it holds does not grow with them.
-class CrossingScan {
- public:
-  CrossingScan(const MarginRule& rule, std::span<double> found) : rule_(rule), found_(found), open_(found.size()) {
-    std::fill(found_.begin(), found_.end(), kInfinity);
-  }
+/// The first place with a value below 0; the size where there is none.
+std::size_t first_below(const std::vector<double>& values) {
+  return static_cast<std::size_t>(std::ranges::find_if(values, [](double v) { return v < 0; }) - values.begin());
+}
 
-  /// Whether a curve is left that has not crossed yet.
-  bool open() const { return open_ > 0; }
+double undisturbed_of(const MarginCurve& curve, std::size_t unit) {
+  return curve.undisturbed[curve.undisturbed.size() == 1 ? 0 : unit];
+}
 
-  void first(double level, std::span<const double> scores) {
-    threshold_.assign(scores.size(), 0.0);
-    for (std::size_t k = 0; k < scores.size(); ++k) {
-      threshold_[k] = rule_.fraction * scores[k];
-      if (!(scores[k] > 0.0)) close(k, level);
+/// The logarithm of the level at which each unit falls by itself; the last level for one that does not.
+std::vector<double> falling_levels(const MarginCurve& curve, const MarginRule& rule) {
+  std::vector<double> out;
+  for (std::size_t u = 0; u < curve.scores.front().size(); ++u) {
+    const double threshold = rule.fraction * undisturbed_of(curve, u);
+    double level = curve.levels.back();
+    for (std::size_t i = 0; i < curve.levels.size(); ++i) {
+      if (curve.scores[i][u] >= threshold) continue;
+      level = i == 0 ? 0.0
+                     : crossing_between(curve.levels[i - 1], curve.levels[i], curve.scores[i - 1][u], curve.scores[i][u],
+                                        threshold);
+      break;
     }
-    move_on(level, scores);
+    if (level > 0) out.push_back(log(level));
   }
+  return out;
+}
 
-  void next(double level, std::span<const double> scores) {
-    for (std::size_t k = 0; k < scores.size(); ++k) {
-      if (scores[k] >= threshold_[k] || std::isfinite(found_[k])) continue;
-      close(k, rule_.interpolated ? crossing_between(level_, level, scores_[k], scores[k], threshold_[k]) : level);
-    }
-    move_on(level, scores);
+/// The share of units that carries the loss at a level: 1 where all lose alike, p where a share p loses all of it.
+double losing_share(const MarginCurve& curve, std::size_t level) {
+  double sum = 0, squares = 0;
+  const std::vector<double>& scores = curve.scores[level];
+  for (std::size_t u = 0; u < scores.size(); ++u) {
+    const double loss = std::max(0.0, undisturbed_of(curve, u) - scores[u]);
+    sum += loss;
+    squares += loss * loss;
   }
-
- private:
-  void close(std::size_t k, double level) {
-    found_[k] = level;
-    --open_;
-  }
-
-  void move_on(double level, std::span<const double> scores) {
-    level_ = level;
-    scores_.assign(scores.begin(), scores.end());
-  }
-
-  const MarginRule& rule_;
-  std::span<double> found_;
-  std::size_t open_;
-  double level_ = 0;  // the level before
-  std::vector<double> scores_;
-  std::vector<double> threshold_;
-};
-
-/// The crossing in each resample.
-std::vector<double> resampled_crossings(const Curve& curve, const Interval& units, const MarginRule& rule,
-                                        Bootstrap& bootstrap) {
-  const std::size_t drop = dropped(units, rule.statistic);
-  std::vector<double> crossings(bootstrap.resamples());
-  bootstrap.for_each_block(std::span(&units.n, 1), [&](std::size_t first, const Rows<const std::uint16_t>& times) {
-    CrossingScan scan(rule, std::span(crossings).subspan(first, times.lanes));
-    std::vector<double> means(times.lanes);
-    for (std::size_t level = 0; level < curve.levels.size() && scan.open(); ++level) {
-      resampled_means(trimmed_values(unit_scores(curve.cells[level]), drop), times, means);
-      level == 0 ? scan.first(curve.levels[level], means) : scan.next(curve.levels[level], means);
-    }
-  });
-  return crossings;
+  return squares > 0 ? sum * sum / (static_cast<double>(scores.size()) * squares) : 1.0;
 }
 
 /// A number of a margin; an infinite one is censored.
@@ -110,6 +84,13 @@ std::string level_text(double level, double last) {
 }
 
 }  // namespace
+
+void MarginCurve::add(double level, std::vector<double> scores_there) {
+  const auto at = std::ranges::lower_bound(levels, level);
+  if (at != levels.end() && *at == level) return;
+  scores.insert(scores.begin() + (at - levels.begin()), std::move(scores_there));
+  levels.insert(at, level);
+}
 
 double crossing(std::span<const double> levels, std::span<const double> scores, const MarginRule& rule) {
   if (!(scores.front() > 0.0)) return std::numeric_limits<double>::quiet_NaN();
@@ -122,53 +103,114 @@ double crossing(std::span<const double> levels, std::span<const double> scores, 
   return kInfinity;
 }
 
-Margin margin(const Curve& curve, const MarginRule& rule, Bootstrap& bootstrap) {
-  check_curve(curve);
-  Margin result;
-  result.last_level = curve.levels.back();
-  const Cell& cell = curve.cells.front();
-  result.level.unit = unit_of(cell);
-  result.level.n = result.level.unit == Unit::seeds ? cell.rows : cell.lanes;
-  std::vector<double> means(curve.levels.size());
-  for (std::size_t level = 0; level < curve.levels.size(); ++level) {
-    const std::vector<double> scores = unit_scores(curve.cells[level]);
-    if (!all_finite(scores)) return result;
-    means[level] = result.level.unit == Unit::seeds ? aggregate(rule.statistic, scores) : mean(scores);
-  }
-  result.level.estimate = crossing(curve.levels, means, rule);
-  if (std::isnan(result.level.estimate)) return result;
-
-  result.censored = std::isinf(result.level.estimate);
-  if (result.censored) result.level.estimate = result.last_level;
-  if (result.level.unit == Unit::none) return result;
-  std::vector<double> crossings = resampled_crossings(curve, result.level, rule, bootstrap);
-  bootstrap.bound(result.level, crossings);
-  result.level.low = std::min(result.level.low, result.last_level);
-  return result;
-}
-
 bool falls_short(double nominal, double best, const MarginRule& rule) {
   return best > 0 && nominal < rule.fraction * best;
 }
 
+MarginBands margin_bands(const MarginCurve& curve, const MarginRule& rule) {
+  check_curve(curve);
+  const std::size_t units = curve.scores.front().size();
+  double reach = 0;  // standard errors to either side
+  if (units > 1) {
+    const boost::math::students_t student(static_cast<double>(units - 1));
+    reach = boost::math::quantile(student, 0.5 + 0.5 * rule.confidence) / std::sqrt(static_cast<double>(units));
+  }
+  MarginBands bands;
+  std::vector<double> left(units);
+  for (const std::vector<double>& scores : curve.scores) {
+    for (std::size_t u = 0; u < units; ++u)
+      left[u] = scores[u] - rule.fraction * undisturbed_of(curve, u);
+    const double value = mean(left);
+    const double half = units > 1 ? reach * sample_deviation(left) : 0.0;
+    bands.value.push_back(value);
+    bands.low.push_back(value - half);
+    bands.high.push_back(value + half);
+  }
+  return bands;
+}
+
+double falling_bound(const MarginCurve& curve, const MarginRule& rule) {
+  const std::size_t fallen = first_below(margin_bands(curve, rule).value);
+  const std::vector<double> logs = falling_levels(curve, rule);
+  if (fallen == curve.levels.size() || logs.size() < 2) return kInfinity;
+  const auto n = static_cast<double>(logs.size());
+  const double share = std::min(0.5, losing_share(curve, fallen));
+  const double noncentrality = -boost::math::quantile(boost::math::normal(), share) * std::sqrt(n);
+  const double upper = 0.5 + 0.5 * rule.confidence;
+  const double reach =
+      noncentrality > 0 ? boost::math::quantile(boost::math::non_central_t(n - 1, noncentrality), upper)
+                        : boost::math::quantile(boost::math::students_t(n - 1), upper);
+  return exp(mean(logs) - reach / std::sqrt(n) * sample_deviation(logs));
+}
+
+Margin margin(const MarginCurve& curve, const MarginRule& rule) {
+  check_curve(curve);
+  const auto finite = [](const std::vector<double>& scores) { return all_finite(scores); };
+  if (!finite(curve.undisturbed) || !std::ranges::all_of(curve.scores, finite))
+    return no_margin("a score is not finite");
+  if (!(mean(curve.undisturbed) > 0)) return no_margin("the undisturbed score is not positive");
+
+  const MarginBands bands = margin_bands(curve, rule);
+  const std::vector<double>& levels = curve.levels;
+  Margin result;
+  result.last_level = levels.back();
+  result.level.unit = curve.scores.front().size() > 1 ? curve.unit : Unit::none;
+  result.level.n = curve.scores.front().size();
+  const std::size_t i = first_below(bands.value);
+  result.censored = i == levels.size();
+  result.at_most = i == 0 && levels.front() > 0;
+  if (result.censored) {
+    result.level.estimate = result.last_level;
+  } else if (i == 0) {
+    result.level.estimate = levels.front();
+  } else {
+    result.level.estimate = rule.interpolated ? crossing_between(levels[i - 1], levels[i], bands.value[i - 1], bands.value[i], 0.0) : levels[i];
+  }
+  if (result.level.unit == Unit::none) return result;
+  const std::size_t low = first_below(bands.low), high = first_below(bands.high);
+  const auto falling = std::ranges::lower_bound(levels, falling_bound(curve, rule)) - levels.begin();
+  const std::size_t before = std::min(low, static_cast<std::size_t>(falling));
+  result.level.low = before == levels.size() ? result.last_level : before == 0 ? 0.0 : levels[before - 1];
+  result.level.high = high == levels.size() ? kInfinity : levels[high];
+  return result;
+}
+
+Margin no_margin(std::string reason) {
+  Margin none;
+  none.reason = std::move(reason);
+  return none;
+}
+
 std::string margin_text(const Margin& margin) {
   const Interval& level = margin.level;
-  if (std::isnan(level.estimate)) return "none";
-  const std::string estimate = level_text(margin.censored ? kInfinity : level.estimate, margin.last_level);
+  if (std::isnan(level.estimate)) return "–";
+  std::string estimate = level_text(margin.censored ? kInfinity : level.estimate, margin.last_level);
+  if (margin.at_most) return cat("≤ ", estimate);
   const bool nothing_more = std::isnan(level.low) || (margin.censored && level.low == margin.last_level);
   if (nothing_more) return estimate;
   return cat(estimate, " [", level_text(level.low, margin.last_level), ", ", level_text(level.high, margin.last_level),
              "]");
 }
 
+std::vector<double> margin_scores(const Cell& cell) {
+  Matrix<double> counted(cell.rows, cell.lanes);
+  for (std::size_t seed = 0; seed < cell.rows; ++seed) {
+    for (std::size_t episode = 0; episode < cell.lanes; ++episode) {
+      const double score = cell.at(seed, episode);
+      counted.at(seed, episode) = std::isnan(score) ? 0.0 : score;
+    }
+  }
+  return unit_values(counted.view());
+}
+
 std::vector<double> areas(const Curve& curve) {
   check_curve(curve);
   const double range = curve.levels.back() - curve.levels.front();
-  std::vector<double> before = unit_scores(curve.cells.front());
+  std::vector<double> before = margin_scores(curve.cells.front());
   if (curve.levels.size() == 1) return before;
   std::vector<double> result(before.size(), 0.0);
   for (std::size_t i = 1; i < curve.levels.size(); ++i) {
-    const std::vector<double> scores = unit_scores(curve.cells[i]);
+    const std::vector<double> scores = margin_scores(curve.cells[i]);
     const double width = (curve.levels[i] - curve.levels[i - 1]) / range;
     for (std::size_t unit = 0; unit < result.size(); ++unit) {
       result[unit] += 0.5 * width * (before[unit] + scores[unit]);

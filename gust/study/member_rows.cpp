@@ -44,6 +44,13 @@ MemberRows::MemberRows(const Plan& plan, const TrialGroup& group, const Store& s
   }
 }
 
+MemberRows::MemberRows(const StoredTrial& stored, const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    streams_.push_back(std::make_unique<std::ifstream>(stored.open(file)));
+    readers_.emplace_back(*streams_.back(), cat(stored.folder.filename().string(), "/", file));
+  }
+}
+
 bool MemberRows::next() {
   cells_.clear();
   for (RowsReader& reader : readers_) cells_.push_back(reader.next());

@@ -33,6 +33,9 @@ class MemberRows {
   /// Adds to `missing` what the store lacks.
   MemberRows(const Plan& plan, const TrialGroup& group, const Store& store, std::vector<std::string>& missing);
 
+  /// The rows files of one trial, a member each.
+  MemberRows(const StoredTrial& stored, const std::vector<std::string>& files);
+
   std::size_t members() const { return readers_.size(); }
   const RowsHeader& header() const { return readers_.front().header(); }
 

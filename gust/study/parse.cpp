@@ -57,10 +57,12 @@ StartProtocol parse_start(const Value& value, const PlantSpec& spec) {
 }
 
 void parse_evaluate(const Table& table, Study& study) {
-  check_keys(table, {"episodes", "start", "terminate", "metrics", "disturb"}, "[evaluate]");
+  check_keys(table, {"episodes", "start", "terminate", "metrics", "disturb", "margin_tolerance"}, "[evaluate]");
   const PlantSpec& spec = study.setup.plant->spec();
   study.episodes = optional_int(table, "episodes", study.episodes, positive);
   if (const Value* terminate = table.find("terminate")) study.terminate = terminate->as_bool("terminate");
+  if (const Value* tolerance = table.find("margin_tolerance"))
+    read_value(study.margin_tolerance, *tolerance, "margin_tolerance", between(0.0, 0.5));
   if (const Value* start = table.find("start")) {
     study.starts.clear();
     const auto* list = std::get_if<Value::List>(&start->data);

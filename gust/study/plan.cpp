@@ -13,6 +13,8 @@ namespace {
 constexpr int kTrainVersion = 1;
 constexpr int kSearchVersion = 2;
 constexpr int kEvaluateVersion = 1;
+constexpr int kMarginVersion = 1;
+constexpr double kMarginLevels = 40;  // that a margin looks at, about
 
 // Predicted seconds on one core of a current machine, until this one was measured (timings.h).
 constexpr double kSecondsPerOperation = 1e-11;  // of a training
@@ -164,8 +166,15 @@ std::string sweep_label(const Study& study, const Trial& trial) {
   return sweep.axes.size() == 1 ? sweep.axes[0].parameter : cat(sweep.axes[0].parameter, " ", sweep.axes[1].parameter);
 }
 
-Trial evaluate_trial(const Study& study, Trial trial, const Plan& plan) {
+/// What one episode and one cell after the other take.
+double evaluation_seconds(const Study& study, double cells) {
   const PlantSpec& spec = study.setup.plant->spec();
+  const double steps =
+      cells * static_cast<double>(study.starts.size()) * static_cast<double>(study.episodes * spec.steps);
+  return steps * (kSecondsPerEpisodeStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate);
+}
+
+Trial evaluate_trial(const Study& study, Trial trial, const Plan& plan) {
   trial.kind = Trial::Kind::kEvaluate;
   trial.canonical =
       cat("evaluate v", kEvaluateVersion, "\n", common_text(study), policy_text(study, trial, plan),
@@ -175,9 +184,42 @@ Trial evaluate_trial(const Study& study, Trial trial, const Plan& plan) {
   const std::string name = trial.sweep == Trial::kNominal ? "nominal" : study.sweeps[trial.sweep].name;
   trial.what = cat("evaluate ", member_label(study.policies[trial.policy], trial.member), " · ", name);
   const double cells = trial.sweep == Trial::kNominal ? 1.0 : static_cast<double>(study.sweeps[trial.sweep].cells());
-  const double steps =
-      cells * static_cast<double>(study.starts.size()) * static_cast<double>(study.episodes * spec.steps);
-  trial.seconds = steps * (kSecondsPerEpisodeStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate);
+  trial.seconds = evaluation_seconds(study, cells);
+  name_trial(trial, sweep_label(study, trial));
+  return trial;
+}
+
+/// The evaluations of a policy's members, undisturbed and along a sweep, without those whose training failed.
+std::vector<std::size_t> margin_inputs(const Plan& plan, std::size_t policy, std::size_t sweep,
+                                       const std::set<std::string>& failed) {
+  std::vector<std::size_t> inputs;
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    const Trial& trial = plan.trials[i];
+    if (trial.kind != Trial::Kind::kEvaluate || trial.policy != policy) continue;
+    if (trial.sweep != sweep && trial.sweep != Trial::kNominal) continue;
+    const bool trained = trial.inputs.empty() || !failed.contains(plan.trials[trial.inputs.front()].id);
+    if (trained) inputs.push_back(i);
+  }
+  return inputs;
+}
+
+Trial margin_trial(const Study& study, const Plan& plan, std::vector<std::size_t> inputs) {
+  const Trial& first = plan.trials[inputs.back()];
+  Trial trial{.kind = Trial::Kind::kMargin, .policy = first.policy, .member = first.member, .sweep = first.sweep};
+  trial.canonical = cat("margin v", kMarginVersion, "\n", common_text(study));
+  std::size_t members = 0;
+  for (const std::size_t input : inputs) {
+    if (plan.trials[input].sweep == Trial::kNominal) continue;
+    trial.canonical += policy_text(study, plan.trials[input], plan);
+    ++members;
+  }
+  trial.canonical += cat(injections_text(study.always), sweep_text(study, trial), starts_text(study), "episodes ",
+                         study.episodes, "\nterminate ", study.terminate, "\nseed ", study.seed, "\nscore ",
+                         study.metric_set.name(margin_metric(study)), "\ntolerance ",
+                         canonical_text(study.margin_tolerance), "\n");
+  trial.what = cat("margin ", study.policies[trial.policy].name, " · ", study.sweeps[trial.sweep].name);
+  trial.inputs = std::move(inputs);
+  trial.seconds = evaluation_seconds(study, kMarginLevels * static_cast<double>(members));
   name_trial(trial, sweep_label(study, trial));
   return trial;
 }
@@ -201,11 +243,16 @@ void for_each_member(const Study& study, Visit&& visit) {
 }  // namespace
 
 std::string_view kind_name(Trial::Kind kind) {
-  static constexpr std::string_view kNames[] = {"train", "search", "evaluate"};
+  static constexpr std::string_view kNames[] = {"train", "search", "evaluate", "margin"};
   return kNames[static_cast<int>(kind)];
 }
 
-Plan expand(const Study& study, const FoundLevels& found) {
+bool refines_margin(const Study& study, const Sweep& sweep) {
+  return study.margin_tolerance > 0 && sweep.along_levels() && sweep.axes.front().values.size() > 1 &&
+         sweep.axes.front().values.front() >= 0;
+}
+
+Plan expand(const Study& study, const FoundLevels& found, const std::set<std::string>& failed) {
   Plan plan;
   for_each_member(study, [&](std::size_t policy, std::size_t member) {
     if (study.policies[policy].kind == StudyPolicy::Kind::kTrain)
@@ -233,6 +280,14 @@ Plan expand(const Study& study, const FoundLevels& found) {
       plan.trials.push_back(evaluate_trial(study, trial, plan));
     }
   });
+  for (std::size_t policy = 0; policy < study.policies.size(); ++policy) {
+    for (std::size_t sweep = 0; sweep < study.sweeps.size(); ++sweep) {
+      const bool waits = study.sweeps[sweep].automatic && !found.contains(sweep);
+      if (waits || !refines_margin(study, study.sweeps[sweep])) continue;
+      std::vector<std::size_t> inputs = margin_inputs(plan, policy, sweep, failed);
+      if (!inputs.empty()) plan.trials.push_back(margin_trial(study, plan, std::move(inputs)));
+    }
+  }
   return plan;
 }
 

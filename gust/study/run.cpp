@@ -158,9 +158,14 @@ FoundLevels found_levels(const Study& study, const Plan& plan, const Store& stor
 }
 
 Plan plan_with_store(Study& study, const Store& store) {
-  const FoundLevels found = found_levels(study, expand(study, {}), store);
+  const Plan first = expand(study, {});
+  std::set<std::string> failed;
+  for (const Trial& trial : first.trials) {
+    if (trial.kind == Trial::Kind::kTrain && training_failure(first, trial, store)) failed.insert(trial.id);
+  }
+  const FoundLevels found = found_levels(study, first, store);
   set_levels(study, found);
-  Plan plan = expand(study, found);
+  Plan plan = expand(study, found, failed);
   predict(study, Timings(store.folder()), plan);
   return plan;
 }
@@ -170,14 +175,15 @@ std::vector<RunOutcome> run_studies(const std::vector<Study*>& studies, const St
   for (Study* study : studies) runs.push_back({plan_with_store(*study, store), {}, false});
   run_plans(studies, store, options, runs);
 
-  // Those whose automatic sweeps have their levels by now go on with them.
+  // Those whose automatic sweeps have their levels by now, or whose margins are those of fewer seeds, go on.
   std::vector<std::size_t> waiting;
   std::vector<Study*> again;
   std::vector<RunOutcome> rest;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (runs[i].plan.complete || runs[i].stopped) continue;
+    if (runs[i].stopped) continue;
+    if (runs[i].plan.complete && runs[i].failed() == 0) continue;
     Plan plan = plan_with_store(*studies[i], store);
-    if (!plan.complete) continue;  // a search failed
+    if (std::ranges::equal(plan.trials, runs[i].plan.trials, {}, &Trial::id, &Trial::id)) continue;  // nothing new
     waiting.push_back(i);
     again.push_back(studies[i]);
     rest.push_back({std::move(plan), {}, false});

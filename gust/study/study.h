@@ -103,6 +103,7 @@ struct Study {
   std::int64_t episodes = 25;
   std::vector<StartProtocol> starts;
   bool terminate = true;
+  double margin_tolerance = 0.02;    ///< of a margin: how far apart levels around it may be; 0 asks for no more levels
   std::vector<std::size_t> metrics;  ///< what the page leads with, by index
   std::vector<Injection> always;     ///< on in every evaluation
   std::vector<StudyPolicy> policies;

@@ -8,6 +8,7 @@
 #include "gust/eval/aggregate.h"
 #include "gust/eval/survival.h"
 #include "gust/study/claim_scores.h"
+#include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
 #include "gust/study/trials.h"
 
@@ -16,31 +17,6 @@ namespace {
 
 constexpr std::size_t kBandResamples = 2'000;     // of each cell's interval
 constexpr std::size_t kMarginResamples = 10'000;  // of margins and claims
-
-/// What a margin needs of the cells so far: seed means for several seeds, else the episodes.
-struct MarginScores {
-  std::vector<double> values;  ///< cell after cell
-  std::size_t seeds = 1;
-
-  void append(const Matrix<double>& cell) {
-    seeds = cell.rows();
-    if (seeds == 1) values.insert(values.end(), cell.row(0).begin(), cell.row(0).end());
-    for (std::size_t m = 0; seeds > 1 && m < seeds; ++m) {
-      double sum = 0;
-      for (const double value : cell.row(m)) sum += value;
-      values.push_back(sum / static_cast<double>(cell.lanes()));
-    }
-  }
-
-  std::vector<Cell> cells(std::size_t count) const {
-    const std::size_t size = values.size() / count;
-    std::vector<Cell> cells;
-    cells.reserve(count);
-    for (std::size_t cell = 0; cell < count; ++cell)
-      cells.push_back(cell_of(std::span(values).subspan(cell * size, size), seeds));
-    return cells;
-  }
-};
 
 Rng resampling_stream(const Study& study) { return Rng(static_cast<std::uint64_t>(study.seed)).split("bootstrap"); }
 
@@ -70,17 +46,20 @@ class Summariser {
     const std::size_t starts = rows.header().starts.size();
     for (std::size_t start = 0; start < starts; ++start)
       part.series.push_back(empty_series(group, start, rows.header()));
-    const std::string& scored = study_.metric_set.name(margin_metric_);
-    const bool with_margin = has_margin(group) && rows.has(scored);
-    std::vector<MarginScores> kept(starts);
+    MarginScores scores(study_, group.sweep);
+    const bool with_margin = has_margin(group) && take_undisturbed(group, scores);
     for (std::size_t cell = 0; rows.next(); ++cell) {
       for (std::size_t start = 0; start < starts; ++start) {
         fill_cell(rows, cell, part.series[start]);
-        if (with_margin) kept[start].append(rows.values(start, scored, episodes_repeat(study_, group.sweep, start)));
         judge_claims(rows, cell, part.series[start], part.claims);
       }
+      if (with_margin) scores.take(study_.sweeps[group.sweep].axes.front().values[cell], rows);
     }
-    for (std::size_t start = 0; start < starts && with_margin; ++start) fill_margin(kept[start], part.series[start]);
+    if (with_margin) add_levels(group, scores, part);
+    for (std::size_t start = 0; start < starts && with_margin; ++start) {
+      part.series[start].margin = scores.margin(start);
+      part.series[start].has_margin = true;
+    }
     return part;
   }
 
@@ -89,6 +68,45 @@ class Summariser {
     if (group.sweep == Trial::kNominal) return false;
     const Sweep& sweep = study_.sweeps[group.sweep];
     return sweep.along_levels() && sweep.axes.front().values.size() > 1;
+  }
+
+  /// False where the undisturbed trials are missing: then no margin can be told.
+  bool take_undisturbed(const TrialGroup& group, MarginScores& scores) const {
+    TrialGroup nominal{group.policy, Trial::kNominal, {}};
+    for (const TrialGroup& other : trial_groups(plan_)) {
+      if (other.policy == nominal.policy && other.sweep == nominal.sweep) nominal = other;
+    }
+    std::erase_if(nominal.trials, [&](std::size_t trial) { return !has_sweep(group, plan_.trials[trial].member); });
+    std::vector<std::string> missing;
+    MemberRows rows(plan_, nominal, store_, missing);
+    if (rows.members() == 0 || !missing.empty()) return false;
+    scores.take_undisturbed(std::move(rows));
+    return true;
+  }
+
+  /// Whether the trial of a member along the group's sweep is in the store.
+  bool has_sweep(const TrialGroup& group, std::size_t member) const {
+    return std::ranges::any_of(group.trials, [&](std::size_t trial) {
+      const Trial& swept = plan_.trials[trial];
+      return swept.member == member && store_.has(kind_name(swept.kind), swept.id);
+    });
+  }
+
+  /// What the margin's own trial measured, if it is there.
+  void add_levels(const TrialGroup& group, MarginScores& scores, Part& part) {
+    const auto margin = std::ranges::find_if(plan_.trials, [&](const Trial& trial) {
+      return trial.kind == Trial::Kind::kMargin && trial.policy == group.policy && trial.sweep == group.sweep;
+    });
+    if (margin == plan_.trials.end()) return;
+    const std::optional<StoredTrial> stored = store_.load(kind_name(margin->kind), margin->id);
+    if (!stored) {
+      part.missing.push_back(margin->what);
+      return;
+    }
+    for_each_margin_level(*stored, [&](double level, const MemberRows& rows) {
+      for (Series& series : part.series) series.add_level(level, estimates(rows, series));
+      scores.take(level, rows);
+    });
   }
 
   Series empty_series(const TrialGroup& group, std::size_t start, const RowsHeader& header) const {
@@ -100,8 +118,15 @@ class Summariser {
     return series;
   }
 
-  /// An interval for what the page leads with, the mean alone for the rest; what was not measured stays unknown.
   void fill_cell(const MemberRows& rows, std::size_t cell, Series& series) {
+    const std::vector<Estimate> found = estimates(rows, series);
+    for (std::size_t i = 0; i < metrics_.size(); ++i) series.values[i * series.cells + cell] = found[i];
+  }
+
+  /// An interval for what the page leads with, the mean alone for the rest; what was not measured stays unknown.
+  std::vector<Estimate> estimates(const MemberRows& rows, Series& series) {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Estimate> found(metrics_.size(), {kUnknown, kUnknown, kUnknown});
     const bool same = episodes_repeat(study_, series.sweep, series.start);
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::size_t metric = metrics_[i];
@@ -110,7 +135,7 @@ class Summariser {
       const Matrix<double> values = rows.values(series.start, name, same);
       const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
-      series.values[i * series.cells + cell] = {result.estimate, result.low, result.high};
+      found[i] = {result.estimate, result.low, result.high};
       const bool alone = series.cells == 1 && series.sweep != Trial::kNominal;
       if (alone && metric == study_.metrics.front() && result.unit == Unit::seeds)
         series.trainings = unit_values(values.view());
@@ -123,6 +148,7 @@ class Summariser {
       series.unit = unit_of(values.view());
       series.units = series.unit == Unit::seeds ? values.rows() : values.lanes();
     }
+    return found;
   }
 
   static double mean_of(const Matrix<double>& values) {
@@ -167,13 +193,6 @@ class Summariser {
     return true;
   }
 
-  void fill_margin(const MarginScores& kept, Series& series) {
-    const std::vector<double>& levels = study_.sweeps[series.sweep].axes.front().values;
-    const std::vector<Cell> cells = kept.cells(levels.size());
-    series.margin = margin({levels, cells}, {}, margins_);
-    series.has_margin = true;
-  }
-
   const Study& study_;
   const Plan& plan_;
   const Store& store_;
@@ -195,10 +214,27 @@ void judge_formulas(const Study& study, const Plan& plan, const Store& store, st
 
 }  // namespace
 
-const Estimate& Series::at(std::size_t metric, std::size_t cell) const {
+std::size_t Series::row_of(std::size_t metric) const {
   const auto place = std::ranges::find(metrics, metric);
   GUST_CHECK(place != metrics.end());
-  return values[static_cast<std::size_t>(place - metrics.begin()) * cells + cell];
+  return static_cast<std::size_t>(place - metrics.begin());
+}
+
+const Estimate& Series::at(std::size_t metric, std::size_t cell) const {
+  return values[row_of(metric) * cells + cell];
+}
+
+const Estimate& Series::at_added(std::size_t metric, std::size_t level) const {
+  return added_values[row_of(metric) * added_levels.size() + level];
+}
+
+void Series::add_level(double level, const std::vector<Estimate>& estimates) {
+  const auto at = std::ranges::lower_bound(added_levels, level) - added_levels.begin();
+  added_levels.insert(added_levels.begin() + at, level);
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const auto place = static_cast<std::ptrdiff_t>(i * added_levels.size()) + at;
+    added_values.insert(added_values.begin() + place, estimates[i]);
+  }
 }
 
 std::vector<std::size_t> summarised_metrics(const Study& study) {

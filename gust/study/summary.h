@@ -21,16 +21,26 @@ struct Series {
   std::size_t cells = 0;
   std::vector<std::size_t> metrics = {};  ///< which ones: summarised_metrics()
   std::vector<Estimate> values = {};      ///< [metric][cell]
+  /// The levels that the margins asked for beside the sweep's own, ascending, and what was measured there.
+  std::vector<double> added_levels = {};
+  std::vector<Estimate> added_values = {};  ///< [metric][added level]
   /// Of a sweep of one cell, for the first metric that the page leads with: what each training alone would have shown.
   std::vector<double> trainings = {};
   Unit unit = Unit::none;  ///< what the intervals were resampled over
   std::size_t units = 0;
-  Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
+  Margin margin = {};      ///< of the first metric that is better when higher; sweeps over levels only
   bool has_margin = false;
   std::size_t not_finite = 0;  ///< episodes with numbers that were none
 
   /// One of `metrics` in a cell.
   const Estimate& at(std::size_t metric, std::size_t cell) const;
+  /// The same at an added level.
+  const Estimate& at_added(std::size_t metric, std::size_t level) const;
+  /// Adds a level in its place, with a value for each of `metrics`.
+  void add_level(double level, const std::vector<Estimate>& estimates);
+
+ private:
+  std::size_t row_of(std::size_t metric) const;
 };
 
 struct ClaimVerdict {

@@ -8,7 +8,9 @@
 #include "gust/control/cascade.h"
 #include "gust/core/version.h"
 #include "gust/nn/onnx.h"
+#include "gust/study/cell_collector.h"
 #include "gust/study/checkpoint.h"
+#include "gust/study/margin_trial.h"
 #include "gust/study/policies.h"
 #include "gust/study/trace_choice.h"
 
@@ -86,33 +88,6 @@ Outcome run_train(const Study& study, const Trial& trial, const Store& store, st
   return training->failure().empty() ? Outcome{} : failure(training->failure());
 }
 
-/// Writes the rows of each cell as soon as it is complete.
-class CellCollector {
- public:
-  CellCollector(const Study& study, const Evaluation& evaluation, RowsWriter& rows)
-      : study_(study),
-        per_start_(static_cast<std::size_t>(evaluation.episodes) * study.metric_set.size()),
-        cell_(evaluation.starts.size() * per_start_),
-        rows_(rows) {}
-
-  void take(const EpisodeIndex& index, const Episode& episode) {
-    const std::size_t count = study_.metric_set.size();
-    const std::size_t first = index.start * per_start_ + static_cast<std::size_t>(index.episode) * count;
-    measure(study_, episode, std::span(cell_).subspan(first, count));
-    score_ = cell_[first + study_.metrics.front()];
-    if (first + count == cell_.size()) rows_.append_cell(cell_);
-  }
-  /// The headline score of the episode that was taken last.
-  double score() const { return score_; }
-
- private:
-  const Study& study_;
-  std::size_t per_start_;
-  std::vector<double> cell_;
-  RowsWriter& rows_;
-  double score_ = 0;
-};
-
 struct Stopped {};  // leaves an evaluation between two episodes
 
 Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,
@@ -129,7 +104,7 @@ Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, c
     evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
       if (stop.stop_requested()) throw Stopped{};
       collector.take(index, episode);
-      choice.offer(index, collector.score());
+      choice.offer(index, collector.last(study.metrics.front()));
       progress.set(static_cast<double>(index.cell) / static_cast<double>(evaluation.cells.size()));
     });
   } catch (const Stopped&) {
@@ -205,6 +180,8 @@ Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const
       return run_train(study, trial, store, stop, progress);
     case Trial::Kind::kSearch:
       return run_search(study, plan, trial, store);
+    case Trial::Kind::kMargin:
+      return run_margin(study, plan, trial, store, stop, progress);
     default:
       return run_evaluate(study, plan, trial, store, stop, progress);
   }

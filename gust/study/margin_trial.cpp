@@ -1,0 +1,192 @@
+#include "gust/study/margin_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "gust/core/text.h"
+#include "gust/eval/statistics.h"
+#include "gust/study/cell_collector.h"
+#include "gust/study/trials.h"
+
+namespace gust {
+namespace {
+
+constexpr std::string_view kLevelsFile = "levels.txt";  // a line a round: the levels looked at in it
+constexpr std::size_t kMostRounds = 40;                 // more than any curve needs
+
+std::string rows_file(std::size_t round, std::size_t member) { return cat("rows-", round, "-", member, ".bin"); }
+
+struct Stopped {};  // leaves an evaluation between two episodes
+
+/// The evaluations that a margin's trial has among its inputs: undisturbed, or along the sweep.
+TrialGroup inputs_of(const Plan& plan, const Trial& trial, bool nominal) {
+  TrialGroup group{trial.policy, nominal ? Trial::kNominal : trial.sweep, {}};
+  for (const std::size_t input : trial.inputs) {
+    if (plan.trials[input].sweep == group.sweep) group.trials.push_back(input);
+  }
+  return group;
+}
+
+/// What is looked at in one trial.
+class MarginSearch {
+ public:
+  MarginSearch(const Study& study, const Plan& plan, const Trial& trial, const Store& store)
+      : study_(study), sweep_(trial.sweep), scores_(study, trial.sweep) {
+    std::vector<std::string> missing;
+    scores_.take_undisturbed(MemberRows(plan, inputs_of(plan, trial, true), store, missing));
+    const TrialGroup swept = inputs_of(plan, trial, false);
+    MemberRows rows(plan, swept, store, missing);
+    if (!missing.empty()) throw Error(cat("not in the store: ", missing.front()));
+    const std::vector<double>& levels = study.sweeps[trial.sweep].axes.front().values;
+    for (std::size_t cell = 0; rows.next(); ++cell) scores_.take(levels[cell], rows);
+    for (const std::size_t input : swept.trials) {
+      policies_.push_back(trial_policy(study, plan, plan.trials[input], store));
+      tasks_.push_back(trial_evaluation(study, plan.trials[input]));
+    }
+  }
+
+  /// The levels that the curves from the starts ask for, ascending.
+  std::vector<double> wanted() const {
+    std::vector<double> levels;
+    for (std::size_t start = 0; start < study_.starts.size(); ++start) {
+      if (!scores_.obstacle(start).empty()) continue;
+      const MarginCurve curve = scores_.curve(start);
+      if (curve.levels.front() > 0) levels.push_back(0.0);
+      for (const double level : next_margin_levels(curve, {}, study_.margin_tolerance)) levels.push_back(level);
+    }
+    std::ranges::sort(levels);
+    levels.erase(std::ranges::unique(levels).begin(), levels.end());
+    return levels;
+  }
+
+  /// Evaluates every member at these levels; false if it was stopped.
+  bool look(const std::vector<double>& levels, std::size_t round, TrialWriter& writer, const std::stop_token& stop) {
+    const std::size_t starts = study_.starts.size();
+    std::vector<Matrix<double>> found;  // [level][start]: members x episodes
+    for (std::size_t cell = 0; cell < levels.size() * starts; ++cell) {
+      const bool same = episodes_repeat(study_, sweep_, cell % starts);
+      found.emplace_back(policies_.size(), same ? 1 : static_cast<std::size_t>(study_.episodes));
+    }
+    try {
+      for (std::size_t member = 0; member < policies_.size(); ++member)
+        evaluate_member(member, levels, writer.file(rows_file(round, member)), found, stop);
+    } catch (const Stopped&) {
+      return false;
+    }
+    for (std::size_t cell = 0; cell < found.size(); ++cell)
+      scores_.take(levels[cell / starts], cell % starts, std::as_const(found[cell]).view());
+    return true;
+  }
+
+ private:
+  void evaluate_member(std::size_t member, const std::vector<double>& levels, OutputFile& file,
+                       std::vector<Matrix<double>>& found, const std::stop_token& stop) {
+    Evaluation evaluation = tasks_[member]->evaluation;
+    const SweepCell plain = evaluation.cells.front();
+    evaluation.cells.assign(levels.size(), plain);
+    for (std::size_t i = 0; i < levels.size(); ++i) evaluation.cells[i].levels.back() = levels[i];
+    RowsWriter rows(rows_header(study_, levels.size()), [&](std::string_view bytes) { file.append(bytes); });
+    CellCollector collector(study_, evaluation, rows);
+    const std::size_t metric = margin_metric(study_);
+    evaluate(evaluation, *policies_[member], [&](const EpisodeIndex& index, const Episode& episode) {
+      if (stop.stop_requested()) throw Stopped{};
+      collector.take(index, episode);
+      Matrix<double>& values = found[index.cell * study_.starts.size() + index.start];
+      const auto place = static_cast<std::size_t>(index.episode);
+      if (place < values.lanes()) values.at(member, place) = collector.last(metric);
+    });
+    rows.finish();
+    file.close();
+  }
+
+  const Study& study_;
+  std::size_t sweep_;
+  MarginScores scores_;
+  std::vector<std::unique_ptr<Policy>> policies_;
+  std::vector<std::unique_ptr<TrialEvaluation>> tasks_;
+};
+
+}  // namespace
+
+void MarginScores::take_undisturbed(MemberRows rows) {
+  if (!rows.next()) return;
+  const std::string& score = study_.metric_set.name(margin_metric(study_));
+  for (std::size_t start = 0; start < study_.starts.size(); ++start) {
+    const bool same = episodes_repeat(study_, Trial::kNominal, start);
+    curves_.emplace_back();
+    if (rows.has(score)) curves_.back().undisturbed = margin_scores(rows.values(start, score, same).view());
+    survival_.push_back(std::numeric_limits<double>::quiet_NaN());
+    if (rows.has("survival")) survival_.back() = mean(margin_scores(rows.values(start, "survival", same).view()));
+  }
+}
+
+void MarginScores::take(double level, std::size_t start, Cell scores) {
+  curves_[start].unit = unit_of(scores);
+  curves_[start].add(level, margin_scores(scores));
+}
+
+void MarginScores::take(double level, const MemberRows& rows) {
+  const std::string& score = study_.metric_set.name(margin_metric(study_));
+  for (std::size_t start = 0; start < curves_.size() && rows.has(score); ++start)
+    take(level, start, rows.values(start, score, episodes_repeat(study_, sweep_, start)).view());
+}
+
+MarginCurve MarginScores::curve(std::size_t start) const {
+  MarginCurve curve = curves_[start];
+  const Sweep& sweep = study_.sweeps[sweep_];
+  const std::size_t units = curve.scores.empty() ? 0 : curve.scores.front().size();
+  if (!sweep.disturbed.empty() || !sweep.parameters.empty() || units == 0) return curve;
+  if (curve.undisturbed.size() == units) curve.add(0.0, curve.undisturbed);
+  if (curve.undisturbed.size() == 1) curve.add(0.0, std::vector(units, curve.undisturbed.front()));
+  return curve;
+}
+
+Margin MarginScores::margin(std::size_t start) const {
+  const std::string reason = obstacle(start);
+  if (!reason.empty()) return no_margin(reason);
+  Margin found = gust::margin(curve(start));
+  if (found.level.estimate == 0) found.reason = "what stands beside the level costs more than a tenth by itself";
+  return found;
+}
+
+std::string MarginScores::obstacle(std::size_t start) const {
+  if (study_.sweeps[sweep_].axes.front().values.front() < 0)
+    return "its levels lie on both sides of 0 or below it; sweep each side from 0 (the factors of 'channels' turn the sign)";
+  if (start >= curves_.size() || curves_[start].undisturbed.empty() || curves_[start].scores.empty())
+    return "not measured";
+  if (survival_[start] < 0.5)
+    return fmt::format("it fails undisturbed: {:.3g} % of the episodes last to the end", 100 * survival_[start]);
+  return "";
+}
+
+Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,
+                   ProgressSink& progress) {
+  MarginSearch search(study, plan, trial, store);
+  TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
+  std::string lines;
+  for (std::size_t round = 0; round < kMostRounds; ++round) {
+    const std::vector<double> levels = search.wanted();
+    if (levels.empty()) break;
+    if (!search.look(levels, round, writer, stop)) return {Outcome::State::stopped, ""};
+    for (const double level : levels) lines += cat(level, level == levels.back() ? "\n" : " ");
+    progress.set(1.0 - 1.0 / static_cast<double>(round + 2));
+  }
+  writer.write(kLevelsFile, lines);
+  writer.commit(trial.canonical);
+  return {};
+}
+
+void for_each_margin_level(const StoredTrial& stored, const std::function<void(double, const MemberRows&)>& take) {
+  std::istringstream lines(stored.read(kLevelsFile));
+  std::string line;
+  for (std::size_t round = 0; std::getline(lines, line); ++round) {
+    std::vector<std::string> files;
+    while (stored.contains(rows_file(round, files.size()))) files.push_back(rows_file(round, files.size()));
+    MemberRows rows(stored, files);
+    std::istringstream levels(line);
+    for (double level = 0; levels >> level && rows.next();) take(level, rows);
+  }
+}
+
+}  // namespace gust

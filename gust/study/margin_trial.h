@@ -1,0 +1,44 @@
+#pragma once
+
+#include "gust/eval/margin.h"
+#include "gust/study/executor.h"
+#include "gust/study/member_rows.h"
+
+namespace gust {
+
+/// The scores from which the margins of one policy along one sweep are measured, one curve a start. The undisturbed
+/// scores come first.
+class MarginScores {
+ public:
+  MarginScores(const Study& study, std::size_t sweep) : study_(study), sweep_(sweep) {}
+
+  /// From the rows of the policy's undisturbed trial.
+  void take_undisturbed(MemberRows rows);
+  /// From the cell at hand of rows along the sweep.
+  void take(double level, const MemberRows& rows);
+  /// From one start's scores at a level: members x episodes, or one episode where all are the same one.
+  void take(double level, std::size_t start, Cell scores);
+
+  /// The curve from a start. Where the sweep itself changes nothing else, level 0 is the undisturbed case.
+  MarginCurve curve(std::size_t start) const;
+  /// The margin from a start, with the reason where it is none or 0.
+  Margin margin(std::size_t start) const;
+  /// Why there is no margin from a start whatever the levels show; empty if there may be one.
+  std::string obstacle(std::size_t start) const;
+
+ private:
+  const Study& study_;
+  std::size_t sweep_;
+  std::vector<MarginCurve> curves_;
+  std::vector<double> survival_;  ///< the share of undisturbed episodes that do not fail, by start; NaN: not measured
+};
+
+/// Looks at more levels until no margin moves any more, from all starts at once, and stores the rows of all of them.
+Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,
+                   ProgressSink& progress);
+
+/// The rows of the levels that a margin's trial looked at beside the study's own: `take(level, rows)` for each, in the
+/// order of looking.
+void for_each_margin_level(const StoredTrial& stored, const std::function<void(double, const MemberRows&)>& take);
+
+}  // namespace gust
