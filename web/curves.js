@@ -23,12 +23,23 @@ function sweepTitle(sweep) {
   return sweep.site ? `${sweep.site} · ${sweep.waveform}` : sweep.waveform;
 }
 
+/** The levels at which a curve was measured: the sweep's, and those that its margin asked for. */
+function levelsOf(curve) {
+  return curve.x ?? data.sweeps[curve.s].levels;
+}
+
+/** Which of a curve's values stands nearest to a level. */
+function nearest(curve, level) {
+  const distances = levelsOf(curve).map((one) => Math.abs(one - level));
+  return distances.indexOf(Math.min(...distances));
+}
+
 /** Rows of one sweep for the visible policies. */
 function curveRows(index, metric) {
   const rows = [];
   for (const curve of curvesOf(index, state.start, metric)) {
     if (state.hidden.has(curve.p)) continue;
-    data.sweeps[index].levels.forEach((level, i) => rows.push({
+    levelsOf(curve).forEach((level, i) => rows.push({
       policy: data.policies[curve.p].name, level, value: finite(curve.v[i]), low: finite(curve.l?.[i]), high: finite(curve.h?.[i]),
     }));
   }
@@ -99,9 +110,11 @@ function sweepChart(host, index, {metric, strip}) {
   return chart;
 }
 
-function tellAt(index, metric, i) {
+function tellAt(index, metric, place) {
+  const level = data.sweeps[index].levels[place];
   const saturated = data.saturation === undefined ? [] : curvesOf(index, state.start, data.saturation);
   return curvesOf(index, state.start, metric).filter((curve) => !state.hidden.has(curve.p)).map((curve) => {
+    const i = nearest(curve, level);
     const share = saturated.find((one) => one.p === curve.p)?.v[i];
     const strip = share === null || share === undefined || metric === data.survival ? '' : ` · ${Math.round(100 * share)} % saturated`;
     return [placeOf(curve.p), data.policies[curve.p].name, interval(curve, i) + strip];

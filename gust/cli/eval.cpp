@@ -114,10 +114,17 @@ StartProtocol explicit_start(const std::string& text, const PlantSpec& spec) {
   throw Error(cat("--start: must have ", names.size(), " numbers (", join(names, ","), "), got ", start.state.size()));
 }
 
-StartProtocol prepare_start(const std::string& text, const PlantSpec& spec) {
+StartProtocol named_start(const std::string& text, const PlantSpec& spec) {
   if (text.empty() || text == "nominal") return nominal_start(spec);
   if (text == "random") return random_starts();
   return explicit_start(text, spec);
+}
+
+StartProtocol prepare_start(const std::string& text, const PlantSpec& spec) {
+  StartProtocol start = named_start(text, spec);
+  if (const std::string complaint = start_complaint(start, spec); !complaint.empty())
+    throw Error(cat("--start: ", complaint));
+  return start;
 }
 
 Prepared prepare(const EvalRequest& request) {

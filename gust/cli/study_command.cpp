@@ -49,6 +49,9 @@ Json margin_json(const Study& study, const Summary& summary, const Series& serie
           {"low", number(series.margin.level.low)},
           {"high", number(series.margin.level.high)},
           {"censored", series.margin.censored},
+          {"at_most", series.margin.at_most},
+          {"reason", series.margin.reason},
+          {"last_level", number(series.margin.last_level)},
           {"unit", unit_name(series.margin.level.unit)},
           {"n", series.margin.level.n}};
 }

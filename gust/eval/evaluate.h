@@ -70,4 +70,7 @@ Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeI
 StartProtocol nominal_start(const PlantSpec& spec);
 StartProtocol random_starts();
 
+/// Why no episode can begin there: a component of the state outside the plant's safe set; empty if all lie inside.
+std::string start_complaint(const StartProtocol& start, const PlantSpec& spec);
+
 }  // namespace gust

@@ -50,8 +50,8 @@ struct MarginCurve {
 struct Margin {
   Interval level;            ///< estimate NaN: there is no margin, and `reason` says why
   bool censored = false;     ///< nothing fell: the margin is at least the last level
-  bool at_most = false;      ///< the score has fallen at the smallest level looked at: the margin is at most that
   double last_level = std::numeric_limits<double>::quiet_NaN();
+  bool at_most = false;     ///< the score has fallen at the smallest level looked at: the margin is at most that
   std::string reason = {};  ///< why there is none, or why it is 0
 };
 

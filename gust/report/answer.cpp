@@ -156,9 +156,9 @@ std::string margin_html(const Page& page, const Page::Margin& margin) {
   const auto& levels = page.sweeps[margin.sweep].levels;
   const double scale = levels.empty() ? margin.level.value : levels.back();
   const std::string interval = interval_text(margin.level, scale);
-  return cat(margin.censored ? "≥&nbsp;" : "", decimal(margin.level.value, scale), unit.empty() ? "" : "&nbsp;",
+  return cat(margin.censored ? "≥&nbsp;" : margin.at_most ? "≤&nbsp;" : "", decimal(margin.level.value, scale), unit.empty() ? "" : "&nbsp;",
              escaped(unit),
-             interval.empty() || margin.censored ? "" : cat(" <span class=\"interval\">", interval, "</span>"));
+             interval.empty() || margin.censored || margin.at_most ? "" : cat(" <span class=\"interval\">", interval, "</span>"));
 }
 
 std::size_t clear_winner(const Page& page, std::size_t sweep, std::size_t start) {

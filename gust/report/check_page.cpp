@@ -52,7 +52,7 @@ void check_page(const Page& page) {
   for (const auto& curve : page.curves) {
     check_cell(page, curve.sweep, curve.policy, curve.start);
     GUST_CHECK(curve.metric < page.metrics.size());
-    check_band(curve.band, page.sweeps[curve.sweep].levels.size());
+    check_band(curve.band, curve.levels.empty() ? page.sweeps[curve.sweep].levels.size() : curve.levels.size());
   }
   for (const auto& margin : page.margins) check_cell(page, margin.sweep, margin.policy, margin.start);
   for (const auto& cell : page.worst) {

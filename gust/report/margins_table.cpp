@@ -59,12 +59,14 @@ std::string micro_plot(const Page::Margin& margin, double end) {
 }
 
 std::string cell(const Page::Margin* margin, double end, bool ahead) {
-  if (!margin || std::isnan(margin->level.value)) return "<td class=\"missing\">–</td>";
-  const bool open_interval = margin->censored && !(margin->level.low < margin->level.value);
+  if (!margin) return "<td class=\"missing\">–</td>";
+  const std::string reason = margin->reason.empty() ? "" : cat("<small>", escaped(margin->reason), "</small>");
+  if (std::isnan(margin->level.value)) return cat("<td class=\"missing\">–", reason, "</td>");
+  const bool open_interval = margin->at_most || (margin->censored && !(margin->level.low < margin->level.value));
   const std::string interval = open_interval ? "" : interval_text(margin->level, end);
   return cat("<td data-policy=\"", margin->policy, "\"", ahead ? " class=\"ahead\"" : "", "><span class=\"value\">",
-             margin->censored ? "≥ " : "", decimal(margin->level.value, end), "</span> <span class=\"interval\">",
-             interval, "</span>", micro_plot(*margin, end), "</td>");
+             margin->censored ? "≥ " : margin->at_most ? "≤ " : "", decimal(margin->level.value, end), "</span> <span class=\"interval\">",
+             interval, "</span>", reason, micro_plot(*margin, end), "</td>");
 }
 
 std::string row_html(const Page& page, std::size_t start, std::size_t sweep_index, const Row& row) {

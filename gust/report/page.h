@@ -71,6 +71,7 @@ struct Page {
     std::size_t start = 0;
     std::size_t metric = 0;
     Band band;
+    std::vector<double> levels = {};  // where it was measured, if at others than the sweep's
   };
 
   /// The level that a policy stands. An end of the interval beyond the grid is infinite.
@@ -81,6 +82,8 @@ struct Page {
     Estimate level;             // where censored, value is the last level of the grid
     bool censored = false;      // the score did not fall far enough on the grid: "at least"
     double nominal = kUnknown;  // the undisturbed score
+    bool at_most = false;       // it has fallen at the smallest level looked at
+    std::string reason = {};    // why there is none (value unknown), or why it is 0
   };
 
   /// A cell to look at first; the study sorts them.

@@ -74,6 +74,7 @@ std::string curve_json(const Page::Curve& curve, const std::vector<std::size_t>&
   JsonWriter json;
   json.open('{').key("s").index(curve.sweep).key("p").index(curve.policy).key("t").index(curve.start);
   json.key("m").index(curve.metric);
+  if (!curve.levels.empty()) json.key("x").numbers(at(curve.levels, places));
   write_band(json, curve.band, places);
   return json.close('}').take();
 }
@@ -141,11 +142,12 @@ bool leads(const Page& page, std::size_t metric) {
 std::size_t level_cap(const Page& page, std::size_t limit) {
   std::size_t longest = 2;
   for (const auto& sweep : page.sweeps) longest = std::max(longest, sweep.levels.size());
+  for (const auto& curve : page.curves) longest = std::max(longest, curve.band.value.size());
   const auto bytes = [&](std::size_t cap) {
     std::size_t numbers = 0;
     for (const auto& curve : page.curves) {
       if (!leads(page, curve.metric)) continue;
-      numbers += std::min(cap, curve.band.value.size()) * (curve.band.low.empty() ? 1 : 3);
+      numbers += std::min(cap, curve.band.value.size()) * ((curve.levels.empty() ? 0 : 1) + (curve.band.low.empty() ? 1 : 3));
     }
     return numbers * kBytesPerNumber;
   };
@@ -254,7 +256,7 @@ void write_margins(JsonWriter& json, const Page& page) {
   for (const auto& margin : page.margins) {
     json.open('{').key("s").index(margin.sweep).key("p").index(margin.policy).key("t").index(margin.start);
     json.key("v").number(margin.level.value).key("l").number(margin.level.low).key("h").number(margin.level.high);
-    json.key("censored").flag(margin.censored).key("nominal").number(margin.nominal).close('}');
+    json.key("censored").flag(margin.censored).key("atMost").flag(margin.at_most).key("nominal").number(margin.nominal).close('}');
   }
   json.close(']').key("marginShare").number(page.margin_share);
   if (page.margin_metric < page.metrics.size()) json.key("marginMetric").index(page.margin_metric);

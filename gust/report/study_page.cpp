@@ -160,19 +160,7 @@ class PageWriter {
   void curves(const Series& series) {
     const std::size_t sweep = sweep_at_[series.sweep];
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
-      Page::Curve curve{sweep, series.policy, series.start, m, {}};
-      for (std::vector<double>* values : {&curve.band.value, &curve.band.low, &curve.band.high})
-        values->reserve(series.cells);
-      bool banded = false;
-      for (std::size_t cell = 0; cell < series.cells; ++cell) {
-        const Estimate& estimate = series.at(metrics_[m], cell);
-        curve.band.value.push_back(estimate.value);
-        curve.band.low.push_back(estimate.low);
-        curve.band.high.push_back(estimate.high);
-        banded = banded || std::isfinite(estimate.low);
-      }
-      if (!banded) curve.band.low = curve.band.high = {};
-      page_.curves.push_back(std::move(curve));
+      page_.curves.push_back(curve(series, sweep, m));
     }
     if (!series.has_margin) return;
     const Margin& margin = series.margin;
@@ -181,7 +169,36 @@ class PageWriter {
                              series.start,
                              {margin.level.estimate, margin.level.low, margin.level.high},
                              margin.censored,
-                             summary_.undisturbed(series.policy, series.start)});
+                             summary_.undisturbed(series.policy, series.start),
+                             margin.at_most,
+                             margin.reason});
+  }
+
+  /// One metric along a sweep: at its own levels and at those that the margin asked for.
+  Page::Curve curve(const Series& series, std::size_t sweep, std::size_t m) const {
+    Page::Curve curve{sweep, series.policy, series.start, m, {}};
+    bool banded = false;
+    const auto take = [&](const Estimate& estimate) {
+      curve.band.value.push_back(estimate.value);
+      curve.band.low.push_back(estimate.low);
+      curve.band.high.push_back(estimate.high);
+      banded = banded || std::isfinite(estimate.low);
+    };
+    const std::vector<double>& own = study_.sweeps[series.sweep].axes.front().values;
+    std::size_t added = 0;
+    for (std::size_t cell = 0; cell <= series.cells; ++cell) {
+      const double before = cell < series.cells ? own[cell] : std::numeric_limits<double>::infinity();
+      for (; added < series.added_levels.size() && series.added_levels[added] < before; ++added) {
+        take(series.at_added(metrics_[m], added));
+        curve.levels.push_back(series.added_levels[added]);
+      }
+      if (cell == series.cells) break;
+      take(series.at(metrics_[m], cell));
+      curve.levels.push_back(before);
+    }
+    if (added == 0) curve.levels.clear();
+    if (!banded) curve.band.low = curve.band.high = {};
+    return curve;
   }
 
   void grid(const Series& series) {

@@ -44,7 +44,7 @@ std::string with_metrics(const StoredTrial& trial, const Names& metrics) {
 /// The small study, run by a gust whose metrics were these.
 struct OlderRun {
   ScratchFolder folder;
-  Study study = small_study();
+  Study study = small_study({"evaluate.margin_tolerance=0"});
   Store now, older;
   Plan plan;
   Summary expected, summary;

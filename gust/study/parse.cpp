@@ -46,7 +46,7 @@ StartProtocol explicit_start(const Table& table, const PlantSpec& spec) {
   return start;
 }
 
-StartProtocol parse_start(const Value& value, const PlantSpec& spec) {
+StartProtocol any_start(const Value& value, const PlantSpec& spec) {
   if (const auto* table = std::get_if<Table>(&value.data)) return explicit_start(*table, spec);
   const std::string& name = value.as_text("start");
   if (name == "nominal") return nominal_start(spec);
@@ -54,6 +54,13 @@ StartProtocol parse_start(const Value& value, const PlantSpec& spec) {
   throw error_at(value.place, "unknown start '", name, "'",
                  did_you_mean(name, std::vector<std::string>{"nominal", "random"}),
                  "; starts are nominal, random, or a state such as { x = 0.1 }");
+}
+
+StartProtocol parse_start(const Value& value, const PlantSpec& spec) {
+  StartProtocol start = any_start(value, spec);
+  if (const std::string complaint = start_complaint(start, spec); !complaint.empty())
+    throw error_at(value.place, "start: ", complaint);
+  return start;
 }
 
 void parse_evaluate(const Table& table, Study& study) {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "gust/study/study_fixture.h"
@@ -13,7 +14,7 @@ TEST_CASE("a plan has one trial for each policy and sweep, and one undisturbed")
   const Plan plan = expand(small_study(), {});
 
   CHECK(plan.complete);
-  REQUIRE(plan.trials.size() == 6);
+  REQUIRE(plan.trials.size() == 6 + 4);
   CHECK(plan.trials[0].what == "evaluate lqr · nominal");
   CHECK(plan.trials[1].what == "evaluate lqr · push");
   std::set<std::string> ids;
@@ -40,6 +41,43 @@ TEST_CASE("whatever changes an outcome changes the trial's name") {
   CHECK(expand(small_study({"question=why"}), {}).trials[1].id == before);
 }
 
+TEST_CASE("a margin has a trial of its own, which follows from the scores that it is measured from") {
+  const Plan plan = expand(small_study(), {});
+  const Trial& margin = plan.trials[6];
+
+  CHECK(margin.kind == Trial::Kind::kMargin);
+  CHECK(margin.what == "margin lqr · push");
+  CHECK(margin.inputs == std::vector<std::size_t>{0, 1});
+  CHECK(expand(small_study({"sweep.push.name=pull"}), {}).trials[6].id == margin.id);
+  for (const char* setting : {"seed=8", "evaluate.episodes=4", "sweep.push.levels=[0, 5]", "policy.lqr.r=0.5",
+                              "evaluate.margin_tolerance=0.05", "evaluate.metrics=[\"anr\"]"}) {
+    CAPTURE(setting);
+    CHECK(expand(small_study({setting}), {}).trials[6].id != margin.id);
+  }
+  CHECK(expand(small_study({"evaluate.margin_tolerance=0"}), {}).trials.size() == 6);
+  CHECK(expand(small_study({"sweep.push.levels=[-2, 0, 2]"}), {}).trials.size() == 6 + 2);
+}
+
+TEST_CASE("the margins of a policy are those of the seeds whose training did not fail") {
+  const Study study = small_study({}, changed("[[sweep]]\nname = \"push\"", R"([[policy]]
+name = "ppo"
+kind = "train"
+agent = { kind = "ppo", steps = 400 }
+seeds = [1, 2]
+
+[[sweep]]
+name = "push")"));
+  const Plan whole = expand(study, {});
+  const Plan rest = expand(study, {}, {whole.trials[0].id});
+  const auto margin_of = [](const Plan& plan) {
+    return *std::ranges::find(plan.trials, "margin ppo · push", &Trial::what);
+  };
+
+  CHECK(margin_of(whole).inputs.size() == 4);
+  CHECK(margin_of(rest).inputs.size() == 2);
+  CHECK(margin_of(rest).id != margin_of(whole).id);
+}
+
 TEST_CASE("an automatic sweep waits for its levels") {
   Study study = small_study({"sweep.push.levels=auto"});
 
@@ -51,7 +89,7 @@ TEST_CASE("an automatic sweep waits for its levels") {
   set_levels(study, found);
   const Plan found_plan = expand(study, found);
   CHECK(found_plan.complete);
-  CHECK(found_plan.trials.size() == 8);
+  CHECK(found_plan.trials.size() == 8 + 4);
 }
 
 TEST_CASE("the common levels reach half beyond the greatest failure level") {

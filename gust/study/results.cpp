@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "gust/core/csv.h"
 
@@ -14,6 +15,8 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // What stands in the column `metric` where it is none.
 constexpr std::string_view kMargin = "margin";
 constexpr std::string_view kMarginAtLeast = "margin_at_least";
+constexpr std::string_view kMarginAtMost = "margin_at_most";
+constexpr std::string_view kNoMargin = "no_margin";  // the column `over` says why
 constexpr std::string_view kNotFinite = "not_finite";
 
 // What stands in the column `over` of a line that is about one training alone.
@@ -37,12 +40,13 @@ class SeriesLines {
       for (const std::size_t metric : series_.metrics)
         lines += line(levels_of(cell), study_.metric_set.name(metric), series_.at(metric, cell));
     }
-    for (const double value : series_.trainings) lines += training_line(value);
-    if (series_.has_margin) {
-      const Interval& level = series_.margin.level;
-      const std::string_view what = series_.margin.censored ? kMarginAtLeast : kMargin;
-      lines += line({}, std::string(what), {level.estimate, level.low, level.high});
+    for (std::size_t level = 0; level < series_.added_levels.size(); ++level) {
+      for (const std::size_t metric : series_.metrics)
+        lines += line({cat(series_.added_levels[level]), ""}, study_.metric_set.name(metric),
+                      series_.at_added(metric, level));
     }
+    for (const double value : series_.trainings) lines += training_line(value);
+    if (series_.has_margin) lines += margin_line(series_.margin);
     if (series_.not_finite > 0) {
       const auto count = static_cast<double>(series_.not_finite);
       lines += line({}, std::string(kNotFinite), {count, kUnknown, kUnknown});
@@ -64,6 +68,14 @@ class SeriesLines {
   std::string line(const std::pair<std::string, std::string>& levels, const std::string& metric,
                    const Estimate& estimate) const {
     return any_line(levels, metric, estimate, series_.units, unit_name(series_.unit));
+  }
+
+  std::string margin_line(const Margin& margin) const {
+    const Interval& level = margin.level;
+    if (std::isnan(level.estimate))
+      return any_line({}, std::string(kNoMargin), {kUnknown, kUnknown, kUnknown}, 0, margin.reason);
+    const std::string_view what = margin.censored ? kMarginAtLeast : margin.at_most ? kMarginAtMost : kMargin;
+    return line({}, std::string(what), {level.estimate, level.low, level.high});
   }
 
   std::string training_line(double value) const {
@@ -111,14 +123,21 @@ class CellReader {
     return name.empty() ? Trial::kNominal : index_of(study_.sweeps, name, "sweep", table_.place(line));
   }
 
-  /// Automatic sweeps have the levels at which they were measured.
+  /// Automatic sweeps have the levels at which they were measured. Those that a margin asked for come behind them in the
+  /// lines of a series, and begin again from below.
   void find_levels() {
     FoundLevels found;
+    std::string series;
+    double last = -1;
     for (std::size_t i = 0; i < table_.size(); ++i) {
       const std::size_t sweep = sweep_of(i);
       if (sweep == Trial::kNominal || !study_.sweeps[sweep].automatic || table_.text(i, "level").empty()) continue;
-      std::vector<double>& levels = found[sweep];
+      const std::string key = cat(sweep, "\n", table_.text(i, "policy"), "\n", table_.text(i, "start"));
       const double level = table_.number(i, "level");
+      if (std::exchange(series, key) != key) last = -1;
+      if (level < last) continue;
+      last = level;
+      std::vector<double>& levels = found[sweep];
       if (std::ranges::find(levels, level) == levels.end()) levels.push_back(level);
     }
     for (auto& [sweep, levels] : found) std::ranges::sort(levels);
@@ -161,13 +180,8 @@ class CellReader {
     Series& series = series_of(line);
     const Estimate estimate{table_.number(line, "value"), table_.number(line, "low"), table_.number(line, "high")};
     const std::string& metric = table_.text(line, "metric");
-    if (metric == kMargin || metric == kMarginAtLeast) {
-      if (series.sweep == Trial::kNominal || series.cells == 0)
-        throw Error(cat(table_.place(line), ": a margin without levels to be found on"));
-      series.has_margin = true;
-      series.margin.level = {estimate.value, estimate.low, estimate.high, series.unit, series.units};
-      series.margin.censored = metric == kMarginAtLeast;
-      series.margin.last_level = study_.sweeps[series.sweep].axes.front().values.back();
+    if (metric == kMargin || metric == kMarginAtLeast || metric == kMarginAtMost || metric == kNoMargin) {
+      read_margin(line, estimate, series);
       return;
     }
     if (metric == kNotFinite) {
@@ -184,8 +198,43 @@ class CellReader {
       series.trainings.push_back(estimate.value);
       return;
     }
+    if (is_added(line, series.sweep)) {
+      add(table_.number(line, "level"), static_cast<std::size_t>(at - series.metrics.begin()), estimate, series);
+      return;
+    }
     const auto row = static_cast<std::size_t>(at - series.metrics.begin());
     series.values[row * series.cells + cell_of(line, series.sweep)] = estimate;
+  }
+
+  void read_margin(std::size_t line, const Estimate& estimate, Series& series) const {
+    if (series.sweep == Trial::kNominal || series.cells == 0)
+      throw Error(cat(table_.place(line), ": a margin without levels to be found on"));
+    const std::string& metric = table_.text(line, "metric");
+    series.has_margin = true;
+    if (metric == kNoMargin) {
+      series.margin = no_margin(table_.text(line, "over"));
+      return;
+    }
+    series.margin.level = {estimate.value, estimate.low, estimate.high, series.unit, series.units};
+    series.margin.censored = metric == kMarginAtLeast;
+    series.margin.at_most = metric == kMarginAtMost;
+    series.margin.last_level = study_.sweeps[series.sweep].axes.front().values.back();
+  }
+
+  /// Whether a line is about a level that a margin asked for beside the sweep's own.
+  bool is_added(std::size_t line, std::size_t sweep) const {
+    if (sweep == Trial::kNominal || !study_.sweeps[sweep].along_levels()) return false;
+    const std::vector<double>& levels = study_.sweeps[sweep].axes.front().values;
+    const double level = table_.number(line, "level");
+    return level < levels.back() && std::ranges::find(levels, level) == levels.end();
+  }
+
+  /// The lines of one added level stand together.
+  static void add(double level, std::size_t row, const Estimate& estimate, Series& series) {
+    if (std::ranges::find(series.added_levels, level) == series.added_levels.end())
+      series.add_level(level, std::vector<Estimate>(series.metrics.size(), {kUnknown, kUnknown, kUnknown}));
+    const auto at = std::ranges::find(series.added_levels, level) - series.added_levels.begin();
+    series.added_values[row * series.added_levels.size() + static_cast<std::size_t>(at)] = estimate;
   }
 
   const CsvTable& table_;

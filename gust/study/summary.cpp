@@ -47,7 +47,8 @@ class Summariser {
     for (std::size_t start = 0; start < starts; ++start)
       part.series.push_back(empty_series(group, start, rows.header()));
     MarginScores scores(study_, group.sweep);
-    const bool with_margin = has_margin(group) && take_undisturbed(group, scores);
+    const bool with_margin =
+        has_margin(group) && rows.has(study_.metric_set.name(margin_metric_)) && take_undisturbed(group, scores);
     for (std::size_t cell = 0; rows.next(); ++cell) {
       for (std::size_t start = 0; start < starts; ++start) {
         fill_cell(rows, cell, part.series[start]);

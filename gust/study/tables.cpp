@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "gust/core/text.h"
 #include "gust/study/summary.h"
 
 namespace gust {
@@ -77,7 +78,7 @@ std::vector<std::string> margin_row(const Study& study, const Summary& summary, 
                                   sweep.injection->waveform.kind, sweep.unit(study.setup.plant->spec())};
   for (std::size_t p = 0; p < study.policies.size(); ++p) {
     const Series* series = summary.find(p, s, start);
-    row.push_back(series && series->has_margin ? margin_text(series->margin) : "-");
+    row.push_back(series && series->has_margin ? margin_text(series->margin) : "–");
   }
   return row;
 }
@@ -95,6 +96,20 @@ std::vector<std::string> undisturbed_row(const Study& study, const Summary& summ
   return row;
 }
 
+/// Why policies have no margin, or the margin 0, a line each; the same reason of one policy once.
+std::string reasons(const Study& study, const Summary& summary, std::size_t start) {
+  std::vector<std::string> lines;
+  for (const Series& series : summary.series) {
+    if (!series.has_margin || series.start != start || series.margin.reason.empty()) continue;
+    const bool zero = !std::isnan(series.margin.level.estimate);
+    const std::string& policy = study.policies[series.policy].name;
+    const std::string whose = zero ? cat("0 for ", policy, " under ", study.sweeps[series.sweep].name) : cat("– for ", policy);
+    std::string line = cat(whose, ": ", series.margin.reason, "\n");
+    if (std::ranges::find(lines, line) == lines.end()) lines.push_back(std::move(line));
+  }
+  return lines.empty() ? "" : cat("\n", join(lines, ""));
+}
+
 }  // namespace
 
 std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns) {
@@ -105,8 +120,9 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
   }
   if (rows.size() == 2) return {};
   const bool starred = std::ranges::any_of(rows[1], [](const std::string& cell) { return cell.ends_with('*'); });
-  const std::string note =
+  std::string note =
       starred ? "\n* below 90 % of the best: a margin from there does not compare with the others\n" : "";
+  note += reasons(study, summary, start);
   if (total(widths_of(rows)) <= columns) return aligned(rows) + note;
   for (auto& row : rows) row.erase(row.begin() + 1, row.begin() + 3);  // the name of the sweep has to do
   return in_blocks(rows, 2, columns) + note;

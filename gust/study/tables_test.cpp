@@ -34,7 +34,7 @@ TEST_CASE("margins have a row a disturbance and a column a policy, and above the
         "sweep        site      waveform  unit  lqr            nothing\n"
         "undisturbed                      anr   0.9            0.81\n"
         "push         action    step      N     12.5 [10, 15]  ≥ 30\n"
-        "noise        dynamics  white     N     -              -\n");
+        "noise        dynamics  white     N     –              –\n");
 }
 
 TEST_CASE("a policy that scores less than 90 % of the best undisturbed gets a star") {
@@ -51,18 +51,33 @@ TEST_CASE("a table of margins that is too wide names the sweep alone, then goes 
       "sweep        unit  lqr\n"
       "undisturbed  anr   0.9\n"
       "push         N     12.5 [10, 15]\n"
-      "noise        N     -\n"
+      "noise        N     –\n"
       "\n"
       "sweep        unit  nothing\n"
       "undisturbed  anr   0.9\n"
       "push         N     ≥ 30\n"
-      "noise        N     -\n";
+      "noise        N     –\n";
 
   CHECK(margins_table(study, summary, 0, 61).starts_with("sweep        site      waveform"));
   CHECK(margins_table(study, summary, 0, 60).starts_with("sweep        unit  lqr            nothing\n"));
   CHECK(margins_table(study, summary, 0, 41).starts_with("sweep        unit  lqr            nothing\n"));
   CHECK(margins_table(study, summary, 0, 40) == blocks);
   CHECK(margins_table(study, summary, 0, 1) == blocks);
+}
+
+TEST_CASE("why there is no margin, or the margin 0, is told once below the table") {
+  Summary summary = two_margins(0.9, 0.9);
+  summary.series[1] = with_margin(0, no_margin("it fails undisturbed: 0 % of the episodes last to the end"));
+  summary.series.push_back(summary.series[1]);
+  Margin zero{.level = {.estimate = 0, .low = 0, .high = 0}};
+  zero.reason = "the wind";
+  summary.series[3] = with_margin(1, zero);
+
+  const std::string table = margins_table(small_study(), summary, 0, 80);
+
+  CHECK(table.find("push         action    step      N     –    0 [0, 0]\n") != std::string::npos);
+  CHECK(table.ends_with("\n\n– for lqr: it fails undisturbed: 0 % of the episodes last to the end\n"
+                        "0 for nothing under push: the wind\n"));
 }
 
 TEST_CASE("a study without disturbances has no table of margins") {

@@ -42,13 +42,6 @@ void warn_of_windows(std::span<const Injection> injections, const std::string& w
   }
 }
 
-bool starts_failed(const StartProtocol& start, const PlantSpec& spec) {
-  for (std::size_t i = 0; i < start.state.size(); ++i) {
-    if (start.state[i] < spec.fail_low[i] || start.state[i] > spec.fail_high[i]) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 Limits possible_values(const Setup& setup, std::size_t parameter) {
@@ -85,10 +78,6 @@ std::vector<std::string> draw_warnings(const Setup& setup, const Randomisation& 
 
 std::vector<std::string> study_warnings(const Study& study) {
   std::vector<std::string> warnings = plant_warnings(study.setup);
-  for (const StartProtocol& start : study.starts) {
-    if (starts_failed(start, study.setup.plant->spec()))
-      warnings.push_back(cat("start '", start.name, "' lies beyond the bounds at which an episode fails"));
-  }
   warn_of_windows(study.always, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
     warn_of_windows(policy.disturbed, cat("policy '", policy.name, "'"), warnings);
@@ -102,9 +91,9 @@ std::vector<std::string> study_warnings(const Study& study) {
     if (sweep.injection) warn_of_windows({&*sweep.injection, 1}, cat("sweep '", sweep.name, "'"), warnings);
     warn_of_windows(sweep.disturbed, cat("sweep '", sweep.name, "'"), warnings);
     const std::vector<double>& levels = sweep.axes.front().values;
-    if (sweep.along_levels() && levels.size() > 1 && levels.front() != 0)
-      warnings.push_back(cat("sweep '", sweep.name, "' begins at level ", levels.front(),
-                             ": its margins are falls from the score there, not from the undisturbed one"));
+    if (sweep.along_levels() && levels.size() > 1 && levels.front() < 0)
+      warnings.push_back(cat("sweep '", sweep.name, "' has no margins: its levels begin at ", levels.front(),
+                             ", below 0; sweep each side from 0 (the factors of 'channels' turn the sign)"));
   }
   return warnings;
 }

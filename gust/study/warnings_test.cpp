@@ -64,14 +64,13 @@ TEST_CASE("a window that closes before the shape begins is told, of a sweep and 
         Warnings{"evaluate: the action step disturbs nothing: its window ends at step 9, its shape begins at step 9"});
 }
 
-TEST_CASE("a sweep that does not begin undisturbed and a start that has failed already are told") {
+TEST_CASE("a sweep with levels below 0 is told to have no margins") {
   CHECK(study_warnings(small_study()).empty());
-  CHECK(study_warnings(small_study({"sweep.push.levels=[5, 30]", "sweep.noise.levels=[1]"})) ==
-        Warnings{"sweep 'push' begins at level 5: its margins are falls from the score there, not from the undisturbed "
-                 "one"});
+  CHECK(study_warnings(small_study({"sweep.push.levels=[5, 30]", "sweep.noise.levels=[1]"})).empty());
+  CHECK(study_warnings(small_study({"sweep.push.levels=[-2, 0, 2]"})) ==
+        Warnings{"sweep 'push' has no margins: its levels begin at -2, below 0; sweep each side from 0 (the factors of "
+                 "'channels' turn the sign)"});
   CHECK(study_warnings(
             small_study({}, changed("levels = [0, 5, 30]", "grid = { pole_length = [0.5, 1], level = [0, 3] }")))
             .empty());  // a grid has no margins
-  CHECK(study_warnings(small_study({"evaluate.start={ x = 3.0 }"})) ==
-        Warnings{"start 'x=3' lies beyond the bounds at which an episode fails"});
 }

@@ -186,21 +186,41 @@ def margin_of(levels, scores, fraction=0.9):
     return scipy.optimize.brentq(lambda level: np.interp(level, levels, scores) - threshold, *bracket, xtol=1e-15)
 
 
+def student_interval(levels, scores, fraction=0.9, confidence=0.95):
+    """All levels that a t-test of the seeds' falls does not exclude, out to the grid; inf beyond it. The lower end lies
+    no higher than the tolerance limit (noncentral t) of the quantile at which seeds fall, for curves that fall in steps."""
+    n = len(scores)
+    left = scores - fraction * scores[:, :1]
+    ends = [scipy.stats.ttest_1samp(column, 0).confidence_interval(confidence) for column in left.T]
+    low = next((i for i, end in enumerate(ends) if end.low < 0), len(levels))
+    high = next((i for i, end in enumerate(ends) if end.high < 0), len(levels))
+    fallen = np.flatnonzero(left.mean(axis=0) < 0)
+    if len(fallen) > 0:
+        losses = np.maximum(0, scores[:, 0] - scores[:, fallen[0]])
+        share = min(0.5, losses.sum() ** 2 / (n * (losses**2).sum()))
+        falls = np.log([min(margin_of(levels, row, fraction), levels[-1]) for row in scores])
+        shift = -scipy.stats.norm.ppf(share) * np.sqrt(n)
+        reach = scipy.stats.nct.ppf(0.5 + confidence / 2, n - 1, shift) / np.sqrt(n)
+        low = min(low, int(np.searchsorted(levels, np.exp(falls.mean() - reach * falls.std(ddof=1)))))
+    return {
+        "student_low": plain(levels[low - 1] if low > 0 else 0.0),
+        "student_high": plain(levels[high] if high < len(levels) else 1e300),
+    }
+
+
 def margins(rng):
     levels = np.array([0.0, 0.5, 1.0, 2.0, 3.0, 4.5, 6.0])
     rows = {}
     for name, center in {"inside": 3.0, "partly beyond": 9.3, "beyond": 30.0}.items():
         middle = center * np.exp(0.25 * rng.normal(size=(10, 1)))
         scores = 0.95 / (1 + (levels / middle) ** 6) + 0.01 * rng.normal(size=(10, len(levels)))
-        draws = np.random.default_rng(6).integers(10, size=(RESAMPLES, 10))
-        found = np.array([margin_of(levels, scores[pick].mean(axis=0)) for pick in draws])
         areas = scipy.integrate.trapezoid(scores, levels, axis=1) / (levels[-1] - levels[0])
         rows[name] = {
             "levels": plain(levels),
             "scores": plain(scores),
             "margin": plain(min(margin_of(levels, scores.mean(axis=0)), 1e300)),
             "areas": plain(areas),
-            **bounds_of(found),
+            **student_interval(levels, scores),
         }
     return rows
 
