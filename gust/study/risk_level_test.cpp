@@ -36,7 +36,7 @@ TEST_CASE("policies that differ in their risk level only share a training, and a
 
   const Plan& plan = outcome.plan;
   CHECK(outcome.failed() == 0);
-  REQUIRE(plan.trials.size() == 2 + 4 * 3);
+  REQUIRE(plan.trials.size() == 2 + 4 * 3 + 4 * 2);
   CHECK(plan.trials[0].id == plan.trials[1].id);
   std::set<std::string> evaluations;
   for (const Trial& trial : plan.trials) {

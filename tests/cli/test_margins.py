@@ -66,8 +66,9 @@ name = "lqr"
 kind = "lqr"
 
 [[policy]]
-name = "pd"
-kind = "pd"
+name = "cautious"
+kind = "lqr"
+r = [5, 5]
 """
 
 SWEEP = """
@@ -118,7 +119,7 @@ def test_fresh_episodes_at_the_margin_score_nine_tenths(gust, tmp_path, plant, t
         deviations.append(statistics.mean(left) / error)
         assert abs(deviations[-1]) < 4, (policy, sweep, margin)
 
-    assert len(deviations) >= 10
+    assert len(deviations) >= 10  # with both plants more than 20
     assert math.sqrt(statistics.mean(d * d for d in deviations)) < 1.7, deviations
 
 
