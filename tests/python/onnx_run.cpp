@@ -1,7 +1,7 @@
 // onnx_run MODEL.onnx: reads observations as float32 from the standard input until it ends, and writes a line "n m
 // kind" (kind is mlp or program), then the actions as float32. onnx_run --rewrite MODEL.onnx: writes the network as
-// gust writes its own; onnx_run --conditional ALPHA MODEL.onnx: the same, its last input being a risk level. A file
-// that is refused: exit 2 and the message on the standard error.
+// gust writes its own; onnx_run --conditional ALPHA MODEL.onnx: the same, its last input being a risk level. onnx_run
+// --operators: the names of all operators. A file that is refused: exit 2 and the message on the standard error.
 #include <cstddef>
 #include <cstring>
 #include <exception>
@@ -14,6 +14,8 @@
 
 #include "gust/core/error.h"
 #include "gust/nn/onnx.h"
+#include "gust/nn/onnx_operators.h"
+#include "gust/study/policy_files.h"
 
 namespace {
 
@@ -21,7 +23,9 @@ std::string read_all(std::istream& in) { return {std::istreambuf_iterator<char>(
 
 gust::OnnxModel read_model(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  return gust::read_onnx(read_all(file), path);
+  const std::string bytes = read_all(file);
+  const gust::OnnxData data = gust::read_onnx_data(path, bytes);
+  return gust::read_onnx(bytes, path, {.data = &data});
 }
 
 void rewrite(const std::string& path, std::optional<float> alpha) {
@@ -54,10 +58,12 @@ int main(int count, char** arguments) try {
     rewrite(words[1], {});
   } else if (words.size() == 3 && words[0] == "--conditional") {
     rewrite(words[2], std::stof(words[1]));
+  } else if (words.size() == 1 && words[0] == "--operators") {
+    std::cout << gust::onnx_operator_names() << '\n';
   } else if (words.size() == 1) {
     run(words[0]);
   } else {
-    throw gust::Error("usage: onnx_run [--rewrite | --conditional ALPHA] MODEL.onnx");
+    throw gust::Error("usage: onnx_run --operators | [--rewrite | --conditional ALPHA] MODEL.onnx");
   }
 } catch (const gust::Error& error) {
   std::cerr << error.what() << '\n';
