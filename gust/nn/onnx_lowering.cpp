@@ -131,6 +131,9 @@ OnnxValue OnnxLowering::combine(OnnxArithmetic arithmetic, const OnnxValue& left
   if (left.constant != nullptr && right.constant != nullptr && left.integral() && right.integral()) {
     return combine_integers(arithmetic, left, right);
   }
+  if (left.integral() != right.integral() && arithmetic < OnnxArithmetic::kEqual) {
+    fail("computes with integers and floats together; cast the integers to float32 first");
+  }
   const bool rounds = arithmetic == OnnxArithmetic::kDiv || arithmetic == OnnxArithmetic::kPow;
   if (integral && rounds) fail("divides integers, or raises them to a power, where they depend on the observation");
   const OnnxDims dims = broadcast_dims(left.dims, right.dims);

@@ -75,6 +75,9 @@ OnnxValue with_axis(OnnxLowering& at, const OnnxValue& value, std::size_t place)
 /// Sums of products, where no matrix of weights is constant: of left [..., i, k] and right [..., k, j].
 OnnxValue product_of_values(OnnxLowering& at, const OnnxValue& left, const OnnxValue& right) {
   const OnnxValue columns = at.transposed(right, last_two_swapped(right));
+  if (left.dims.back() == kOnnxBatch || columns.dims.back() == kOnnxBatch) {
+    at.fail("multiplies across the batch; every lane must stay by itself");
+  }
   if (left.dims.back() != columns.dims.back()) {
     at.fail(cat("multiplies ", left.dims.back(), " numbers with ", columns.dims.back()));
   }
