@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cstdint>
-#include <functional>
-#include <numeric>
+#include <string>
 #include <vector>
 
 #include "gust/core/error.h"
@@ -121,6 +120,24 @@ void lower_scatter_elements(OnnxLowering& at) {
   at.set_output(0, at.pick_many(std::move(sources), onto.dims));
 }
 
+/// scikit-learn's choice among the last dimension.
+void lower_array_feature_extractor(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  if (from.dims.size() != 2) at.fail("takes a matrix");
+  lane_axis(at, from.dims, 1);
+  const std::vector<std::int64_t> indices = at.integers(1, "indices");
+  const OnnxDims dims = {from.dims[0], static_cast<std::int64_t>(indices.size())};
+  const std::size_t rows = size_of(from.dims[0]);
+  at.elements(dims);
+  Positions picked;
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (const std::int64_t index : indices) {
+      picked.push_back(row * size_of(from.dims[1]) + position(at, index, from.dims[1]));
+    }
+  }
+  at.set_output(0, at.pick(from, picked, dims));
+}
+
 /// The positions along one axis of a value repeated some times.
 void lower_tile(OnnxLowering& at) {
   OnnxValue value = at.input(0);
@@ -149,6 +166,7 @@ constexpr OnnxOperator kGather[] = {
     {"GatherND", 2, 2, lower_gather_nd},
     {"ScatterElements", 3, 3, lower_scatter_elements},
     {"Tile", 2, 2, lower_tile},
+    {"ai.onnx.ml.ArrayFeatureExtractor", 2, 2, lower_array_feature_extractor},
 };
 
 }  // namespace

@@ -470,3 +470,21 @@ def test_graphs_of_opset_9_are_read_as_unity_writes_them(build, tmp_path):
     session = onnxruntime.InferenceSession(tmp_path / "unity.onnx", providers=["CPUExecutionProvider"])
     theirs = session.run(["deterministic_continuous_actions"], {"obs": observations})[0]
     assert np.abs(ours - theirs).max() <= 1e-6 * np.ptp(theirs)
+
+
+def test_linear_models_of_scikit_learn_are_read(build, tmp_path):
+    """A scaled choice of the observation, as skl2onnx writes it."""
+    g = Graph(seed=23)
+    numbers = [row.tolist() for row in (g.normal(4), np.abs(g.normal(4)) + 0.5, g.normal(6), g.normal(2))]
+    scaled = g.op("Scaler", "obs", domain="ai.onnx.ml", offset=numbers[0], scale=numbers[1])
+    chosen = g.op("ArrayFeatureExtractor", scaled, g.integers(3, 0, 2), domain="ai.onnx.ml")
+    action = g.op("LinearRegressor", chosen, domain="ai.onnx.ml", coefficients=numbers[2], intercepts=numbers[3], targets=2)
+    model = g.model(action)
+    model.opset_import.append(helper.make_opsetid("ai.onnx.ml", 1))
+    onnx.save(model, tmp_path / "model.onnx")
+    observations = np.random.default_rng(5).normal(size=(50, 4)).astype(np.float32)
+
+    ours, _ = run_gust(build, tmp_path / "model.onnx", observations)
+
+    theirs = run_onnxruntime(model, observations)
+    assert np.abs(ours - theirs).max() <= 1e-6 * np.ptp(theirs)
