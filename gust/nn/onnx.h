@@ -39,9 +39,9 @@ struct OnnxReading {
 
 /// Reads a feed-forward network of float32 (or float64, which is rounded to it), opset 7 or later, from the bytes of an
 /// ONNX file: the part that leads from the one input [N, n] to the action. That is the output that is asked for, else
-/// 'action' or 'actions', else 'mu', 'mean' or 'deterministic_continuous_actions', else the only output that is computed
-/// from an input. The batch may be open or fixed; the network runs for any number of lanes. onnx_operator_names() is
-/// what it may use.
+/// 'action' or 'actions', else 'mu', 'mean' or 'deterministic_continuous_actions', else the only output that is
+/// computed from an input. The batch may be open or fixed; the network runs for any number of lanes.
+/// onnx_operator_names() is what it may use.
 ///
 /// An input 'alpha' of one number that the file gives a default is a risk level: the model acts at that default, or at
 /// the level that is asked for.

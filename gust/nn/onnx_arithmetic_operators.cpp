@@ -47,8 +47,8 @@ void lower_neg(OnnxLowering& at) {
   at.set_output(0, at.combine(OnnxArithmetic::kMul, from, factor));
 }
 
-/// Of floats the remainder has the sign of the first number, as fmod asks; of integers, which only sizes are, that of the
-/// second.
+/// Of floats the remainder has the sign of the first number, as fmod asks; of integers, which only sizes are, that of
+/// the second.
 void lower_mod(OnnxLowering& at) {
   const bool integral = at.input(0).integral() || at.input(1).integral();
   if (!integral && at.attribute("fmod", std::int64_t{0}) == 0) at.fail("takes floats; 'fmod' must be 1 for them");

@@ -92,7 +92,7 @@ TEST_CASE("weights that are not in the data file are refused") {
 
 TEST_CASE("only plain names of files beside the ONNX file are data files") {
   CHECK(why_named("p.onnx.data") == "");
-  const std::vector<std::string> others = {"",    ".",    "..",   "/etc/passwd",       "../d",
+  const std::vector<std::string> others = {"",    ".",    "..",   "/etc/passwd",        "../d",
                                            "a/b", "a\\b", "a\nb", std::string(256, 'x')};
   for (const std::string& bad : others) {
     CAPTURE(bad);

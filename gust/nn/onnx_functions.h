@@ -38,8 +38,8 @@ enum class OnnxFunction {
   kMish,
   kNot,  ///< 1 where x is 0
   kReciprocal,
-  kRound,  ///< to the nearest integer, halves to the even one
-  kSelu,   ///< a: alpha, b: gamma
+  kRound,   ///< to the nearest integer, halves to the even one
+  kSelu,    ///< a: alpha, b: gamma
   kShrink,  ///< a: lambda, b: bias
   kSign,
   kSin,

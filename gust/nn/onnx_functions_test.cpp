@@ -34,13 +34,12 @@ struct Known {
 }  // namespace
 
 TEST_CASE("elementary functions are those of the C library, to a rounding of float") {
-  const Known all[] = {
-      {OnnxFunction::kErf, std::erf, -6, 6},    {OnnxFunction::kAtan, std::atan, -50, 50},
-      {OnnxFunction::kAsin, std::asin, -1, 1},  {OnnxFunction::kAcos, std::acos, -1, 1},
-      {OnnxFunction::kSin, std::sin, -300, 300}, {OnnxFunction::kCos, std::cos, -300, 300},
-      {OnnxFunction::kTan, std::tan, -1.5, 1.5}, {OnnxFunction::kLog, std::log, 1e-30, 1e6},
-      {OnnxFunction::kSinh, std::sinh, -20, 20}, {OnnxFunction::kCosh, std::cosh, -20, 20},
-      {OnnxFunction::kAsinh, std::asinh, -99, 99}};
+  const Known all[] = {{OnnxFunction::kErf, std::erf, -6, 6},      {OnnxFunction::kAtan, std::atan, -50, 50},
+                       {OnnxFunction::kAsin, std::asin, -1, 1},    {OnnxFunction::kAcos, std::acos, -1, 1},
+                       {OnnxFunction::kSin, std::sin, -300, 300},  {OnnxFunction::kCos, std::cos, -300, 300},
+                       {OnnxFunction::kTan, std::tan, -1.5, 1.5},  {OnnxFunction::kLog, std::log, 1e-30, 1e6},
+                       {OnnxFunction::kSinh, std::sinh, -20, 20},  {OnnxFunction::kCosh, std::cosh, -20, 20},
+                       {OnnxFunction::kAsinh, std::asinh, -99, 99}};
   for (const Known& known : all) {
     for (int i = 0; i <= 4000; ++i) {
       const auto x = static_cast<float>(known.low + (known.high - known.low) * i / 4000);
@@ -74,7 +73,7 @@ TEST_CASE("functions have the limits that C asks for") {
 }
 
 TEST_CASE("powers are those of the C library") {
-  const std::array<float, 13> numbers = {-kInfinity, -70.0f, -3.0f, -2.5f, -1.0f, -0.0f, 0.0f,
+  const std::array<float, 13> numbers = {-kInfinity, -70.0f, -3.0f, -2.5f, -1.0f, -0.0f,    0.0f,
                                          0.5f,       1.0f,   2.0f,  3.5f,  71.0f, kInfinity};
   for (const float x : numbers) {
     for (const float y : numbers) {

@@ -95,8 +95,7 @@ OnnxDims with_batch_of(OnnxDims shape, const OnnxDims& dims) {
 
 void lower_gather_elements(OnnxLowering& at) {
   const OnnxValue from = at.input(0);
-  const std::size_t axis =
-      lane_axis(at, from.dims, at.axis(at.attribute("axis", std::int64_t{0}), from.dims.size()));
+  const std::size_t axis = lane_axis(at, from.dims, at.axis(at.attribute("axis", std::int64_t{0}), from.dims.size()));
   const Positions picked = positions_along(at, from.dims, axis, 1);
   at.set_output(0, at.pick(from, picked, with_batch_of(at.input(1).dims, from.dims)));
 }
@@ -110,8 +109,7 @@ void lower_scatter_elements(OnnxLowering& at) {
   };
   const OnnxValue onto = as_buffer(0);
   const OnnxValue updates = as_buffer(2);
-  const std::size_t axis =
-      lane_axis(at, onto.dims, at.axis(at.attribute("axis", std::int64_t{0}), onto.dims.size()));
+  const std::size_t axis = lane_axis(at, onto.dims, at.axis(at.attribute("axis", std::int64_t{0}), onto.dims.size()));
   const Positions replaced = positions_along(at, onto.dims, axis, 1);
   if (replaced.size() != at.elements(updates.dims)) at.fail("has as many indices as it has not updates");
   std::vector<OnnxPick::Source> sources;
@@ -154,7 +152,8 @@ void lower_tile(OnnxLowering& at) {
     const std::size_t run = product(value.dims, axis, value.dims.size());
     Positions picked;
     for (std::size_t i = 0; i < outer; ++i) {
-      for (std::size_t j = 0; j < run * static_cast<std::size_t>(repeats[axis]); ++j) picked.push_back(i * run + j % run);
+      for (std::size_t j = 0; j < run * static_cast<std::size_t>(repeats[axis]); ++j)
+        picked.push_back(i * run + j % run);
     }
     value = at.pick(value, picked, dims);
   }

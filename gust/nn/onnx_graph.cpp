@@ -131,7 +131,8 @@ void GraphReader::collect_nodes() {
       continue;
     }
     if (is_recurrent(node)) {
-      fail(cat(describe(node), ": is recurrent, and a policy here keeps nothing from one step to the next; train a"
+      fail(cat(describe(node),
+               ": is recurrent, and a policy here keeps nothing from one step to the next; train a"
                " feed-forward network, or give it the last observations as part of the observation"));
     }
     out_.nodes.push_back(read_node(node));

@@ -43,9 +43,9 @@ struct OnnxGraph {
 };
 
 /// Reads the part of an ONNX file that computes its action; `output` and `data` are those of OnnxReading. What else the
-/// file computes is left out, so it may use anything. An Error that starts with `name` for a damaged file, an opset below
-/// 7, cycles, recurrent nodes, names that nothing or more than one thing defines, no input or several, and sizes beyond
-/// all reason.
+/// file computes is left out, so it may use anything. An Error that starts with `name` for a damaged file, an opset
+/// below 7, cycles, recurrent nodes, names that nothing or more than one thing defines, no input or several, and sizes
+/// beyond all reason.
 OnnxGraph read_onnx_graph(std::string_view bytes, std::string_view name, std::string_view output = {},
                           const OnnxData& data = {});
 

@@ -50,7 +50,8 @@ TEST_CASE("the output named action, or actions, or the only one is taken") {
 
   file.graph().add_output()->set_name("actions");
   file.node("Tanh", {"hidden"}, "actions");
-  CHECK(refusal(file).find("more than one output that may be the action: 'action' of unknown shape, 'actions'") != std::string::npos);
+  CHECK(refusal(file).find("more than one output that may be the action: 'action' of unknown shape, 'actions'") !=
+        std::string::npos);
 
   file.graph().clear_output();
   CHECK(refusal(file).find("the graph has no output") != std::string::npos);

@@ -243,7 +243,8 @@ OnnxValue OnnxLowering::transposed(const OnnxValue& from, const std::vector<std:
   for (const std::size_t axis : order) {
     dims.push_back(from.dims[axis]);
     std::size_t stride = 1;
-    for (std::size_t i = axis + 1; i < from.dims.size(); ++i) stride *= static_cast<std::size_t>(lane_size(from.dims[i]));
+    for (std::size_t i = axis + 1; i < from.dims.size(); ++i)
+      stride *= static_cast<std::size_t>(lane_size(from.dims[i]));
     strides.push_back(stride);
   }
   std::vector<std::size_t> indices(elements(dims), 0);

@@ -83,8 +83,8 @@ TEST_CASE("an operator that is not supported is named with its node and what is 
   OnnxFixture file;
   file.node("Einsum", {"obs"}, "action");
   const std::string message = refusal(file);
-  CHECK(message.find("test.onnx: node 'the Einsum' of type 'Einsum': this operator is not supported; supported are Abs, ") ==
-        0);
+  CHECK(message.find(
+            "test.onnx: node 'the Einsum' of type 'Einsum': this operator is not supported; supported are Abs, ") == 0);
 
   OnnxFixture foreign;
   foreign.node("Relu", {"obs"}, "action").set_domain("com.example");

@@ -10,8 +10,9 @@ namespace {
 
 std::vector<OnnxOperator> all_operators() {
   std::vector<OnnxOperator> all;
-  for (const auto operators : {onnx_arithmetic_operators(), onnx_function_operators(), onnx_gather_operators(), onnx_product_operators(),
-                               onnx_reduction_operators(), onnx_selection_operators(), onnx_shape_operators()}) {
+  for (const auto operators :
+       {onnx_arithmetic_operators(), onnx_function_operators(), onnx_gather_operators(), onnx_product_operators(),
+        onnx_reduction_operators(), onnx_selection_operators(), onnx_shape_operators()}) {
     all.insert(all.end(), operators.begin(), operators.end());
   }
   std::sort(all.begin(), all.end(), [](const OnnxOperator& a, const OnnxOperator& b) { return a.name < b.name; });

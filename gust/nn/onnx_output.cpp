@@ -91,8 +91,8 @@ const onnx::ValueInfoProto& choose_onnx_output(const onnx::GraphProto& graph, st
   }
   if (outputs.empty()) throw Error(cat(file, ": the graph has no output; the action should be one"));
   if (!wanted.empty()) {
-    throw Error(cat(file, ": has no output ", onnx_quoted(wanted), did_you_mean(wanted, names), "; it has ",
-                    list_of(outputs)));
+    throw Error(
+        cat(file, ": has no output ", onnx_quoted(wanted), did_you_mean(wanted, names), "; it has ", list_of(outputs)));
   }
   if (outputs.size() == 1) return *outputs.front();
   const std::set<std::string> computed = computed_names(graph);
@@ -106,8 +106,8 @@ const onnx::ValueInfoProto& choose_onnx_output(const onnx::GraphProto& graph, st
   }
   if (left.empty()) return *outputs.front();
   if (left.size() == 1) return *left.front();
-  throw Error(cat(file, ": has more than one output that may be the action: ", list_of(left), "; say which: output = ",
-                  "\"NAME\" in a study, --output NAME for gust eval"));
+  throw Error(cat(file, ": has more than one output that may be the action: ", list_of(left),
+                  "; say which: output = ", "\"NAME\" in a study, --output NAME for gust eval"));
 }
 
 }  // namespace gust

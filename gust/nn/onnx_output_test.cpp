@@ -22,9 +22,7 @@ OnnxFixture outputs(const std::vector<std::string>& names) {
   return file;
 }
 
-std::string chosen(const OnnxFixture& file) {
-  return choose_onnx_output(file.model.graph(), "", "test.onnx").name();
-}
+std::string chosen(const OnnxFixture& file) { return choose_onnx_output(file.model.graph(), "", "test.onnx").name(); }
 
 }  // namespace
 
@@ -44,7 +42,8 @@ TEST_CASE("outputs that are constant or hand an input on are not the action") {
   file.floats("three", {1}, {3.0f});
   file.input("state_ins", {1});
   file.graph().mutable_output()->Clear();
-  for (const char* name : {"version_number", "state_outs", "sizes", "output"}) file.graph().add_output()->set_name(name);
+  for (const char* name : {"version_number", "state_outs", "sizes", "output"})
+    file.graph().add_output()->set_name(name);
   file.node("Identity", {"three"}, "version_number");
   file.node("Identity", {"state_ins"}, "state_outs");
   file.node("Shape", {"obs"}, "sizes");

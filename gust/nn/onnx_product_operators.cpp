@@ -111,7 +111,8 @@ OnnxValue product_of_matrices(OnnxLowering& at, const OnnxValue& left, const Onn
 /// alpha A' B' + beta C where B depends on the observation.
 void lower_gemm_of_values(OnnxLowering& at, const OnnxValue& from, bool transposed) {
   OnnxValue right = at.input(1);
-  if (right.dims.size() != 2) at.fail(cat("takes a matrix, but its second input has ", right.dims.size(), " dimensions"));
+  if (right.dims.size() != 2)
+    at.fail(cat("takes a matrix, but its second input has ", right.dims.size(), " dimensions"));
   if (transposed) right = at.transposed(right, {1, 0});
   const OnnxValue product = scaled(at, product_of_matrices(at, from, right), at.attribute("alpha", 1.0f));
   const float beta = at.attribute("beta", 1.0f);
@@ -170,7 +171,8 @@ void lower_linear_regressor(OnnxLowering& at) {
   const OnnxValue product = product_of_matrices(at, from, at.transposed(matrix, {1, 0}));
   if (bias.empty()) return at.set_output(0, product);
   const OnnxDims row = {static_cast<std::int64_t>(bias.size())};
-  at.set_output(0, at.combine(OnnxArithmetic::kAdd, product, at.constant({.dims = row, .floats = bias, .integers = {}})));
+  at.set_output(0,
+                at.combine(OnnxArithmetic::kAdd, product, at.constant({.dims = row, .floats = bias, .integers = {}})));
 }
 
 constexpr OnnxOperator kProducts[] = {

@@ -11,7 +11,6 @@
 
 namespace gust {
 
-
 /// to = from W + b, for each of `rows` rows of a lane. W lies input by input, outputs side by side; no bias is zeros.
 struct OnnxDense {
   std::size_t from;
@@ -92,8 +91,8 @@ using OnnxStep =
     std::variant<OnnxDense, OnnxMap, OnnxCombine, OnnxPick, OnnxConstant, OnnxChoose, OnnxReduce, OnnxNormalise>;
 
 /// Steps over float buffers, one of each width a lane; buffer 0 is the observation. Arithmetic is in float32, sums in
-/// ascending order with fused multiply-add; functions, reductions and normalisations are rounded from double. The bits of a lane do not depend on the
-/// number of lanes.
+/// ascending order with fused multiply-add; functions, reductions and normalisations are rounded from double. The bits
+/// of a lane do not depend on the number of lanes.
 struct OnnxProgram {
   std::vector<std::size_t> widths;
   std::vector<OnnxStep> steps;

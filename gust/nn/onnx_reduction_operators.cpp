@@ -42,7 +42,8 @@ void lower_reduced_sizes(OnnxLowering& at, OnnxArithmetic arithmetic) {
     if (!integer_result(arithmetic, result, from.integers[i], result)) at.fail("computes a size that is no integer");
   }
   const bool keeps = at.attribute("keepdims", std::int64_t{1}) != 0 && !from.dims.empty();
-  at.set_output(0, at.constant({.dims = OnnxDims(keeps ? 1 : 0, 1), .floats = {}, .integers = {result}, .integral = true}));
+  at.set_output(
+      0, at.constant({.dims = OnnxDims(keeps ? 1 : 0, 1), .floats = {}, .integers = {result}, .integral = true}));
 }
 
 template <OnnxReduction reduction>
@@ -80,8 +81,7 @@ template <bool centred>
 void lower_layer_normalization(OnnxLowering& at) {
   const OnnxValue from = at.input(0);
   const std::size_t axis = at.axis(at.attribute("axis", std::int64_t{-1}), from.dims.size());
-  const OnnxValue plain =
-      at.normalise(from, run_from(at, from.dims, axis), at.attribute("epsilon", 1e-5f), centred);
+  const OnnxValue plain = at.normalise(from, run_from(at, from.dims, axis), at.attribute("epsilon", 1e-5f), centred);
   const OnnxValue* shift = at.has_input(2) ? &at.input(2) : nullptr;
   at.set_output(0, scaled_and_shifted(at, plain, &at.input(1), shift));
 }

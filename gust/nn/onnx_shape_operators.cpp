@@ -21,7 +21,8 @@ bool batched(const OnnxLowering& at, const OnnxDims& dims) {
 }
 
 std::int64_t product(OnnxDims::const_iterator from, OnnxDims::const_iterator to) {
-  return std::accumulate(from, to, std::int64_t{1}, [](std::int64_t a, std::int64_t dim) { return a * lane_size(dim); });
+  return std::accumulate(from, to, std::int64_t{1},
+                         [](std::int64_t a, std::int64_t dim) { return a * lane_size(dim); });
 }
 
 void lower_identity(OnnxLowering& at) { at.set_output(0, at.input(0)); }
@@ -231,18 +232,12 @@ void lower_expand(OnnxLowering& at) {
 }
 
 constexpr OnnxOperator kShape[] = {
-    {"Cast", 1, 1, lower_cast},
-    {"CastLike", 2, 2, lower_cast_like},
-    {"Constant", 0, 0, lower_constant},
-    {"ConstantOfShape", 1, 1, lower_constant_of_shape},
-    {"Dropout", 1, 3, lower_dropout},
-    {"Expand", 2, 2, lower_expand},
-    {"Flatten", 1, 1, lower_flatten},
-    {"Identity", 1, 1, lower_identity},
-    {"Reshape", 2, 2, lower_reshape},
-    {"Shape", 1, 1, lower_shape},
-    {"Squeeze", 1, 2, lower_squeeze},
-    {"Unsqueeze", 1, 2, lower_unsqueeze},
+    {"Cast", 1, 1, lower_cast},         {"CastLike", 2, 2, lower_cast_like},
+    {"Constant", 0, 0, lower_constant}, {"ConstantOfShape", 1, 1, lower_constant_of_shape},
+    {"Dropout", 1, 3, lower_dropout},   {"Expand", 2, 2, lower_expand},
+    {"Flatten", 1, 1, lower_flatten},   {"Identity", 1, 1, lower_identity},
+    {"Reshape", 2, 2, lower_reshape},   {"Shape", 1, 1, lower_shape},
+    {"Squeeze", 1, 2, lower_squeeze},   {"Unsqueeze", 1, 2, lower_unsqueeze},
 };
 
 }  // namespace

@@ -19,8 +19,8 @@ constexpr const char* kInputsFile = "inputs.json";
 constexpr const char* kInputsFolder = "inputs";
 
 struct KeptFile {
-  std::string path;  ///< as the study's pattern found it
-  std::string hash;  ///< and name of the copy
+  std::string path;                              ///< as the study's pattern found it
+  std::string hash;                              ///< and name of the copy
   std::map<std::string, std::string> data = {};  ///< of an ONNX file: its data files by name, and their hashes
 };
 

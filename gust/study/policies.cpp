@@ -20,10 +20,11 @@ void check_sizes(const OnnxModel& model, std::string_view name, const Setup& set
                     " is observed by ", spec.observations(), " (", names_of(spec.state), ")"));
   }
   if (model.actions() == 2 * spec.action.size()) {
-    throw Error(cat(name, ": the policy gives ", model.actions(), " numbers, twice the ", spec.action.size(),
-                    " that the plant ", setup.plant.kind, " takes (", names_of(spec.action),
-                    "): probably the mean and the log-deviation of the action, joined. Export the mean alone (output[:, :",
-                    spec.action.size(), "] of the network), or choose another output of the file"));
+    throw Error(
+        cat(name, ": the policy gives ", model.actions(), " numbers, twice the ", spec.action.size(),
+            " that the plant ", setup.plant.kind, " takes (", names_of(spec.action),
+            "): probably the mean and the log-deviation of the action, joined. Export the mean alone (output[:, :",
+            spec.action.size(), "] of the network), or choose another output of the file"));
   }
   if (model.actions() != spec.action.size()) {
     throw Error(cat(name, ": the policy gives ", model.actions(), " numbers; the plant ", setup.plant.kind, " takes ",

@@ -23,8 +23,8 @@ struct PolicyUse {
 };
 
 /// The policy of an ONNX file. An Error that starts with `name` if the bytes are no policy, if inputs or outputs do not
-/// fit the plant (mean and log-deviation joined to one output are named as such), if it takes no risk level and one is asked for, or if the metadata gust.plant, gust.preset or
-/// gust.units say that it was made for something else.
+/// fit the plant (mean and log-deviation joined to one output are named as such), if it takes no risk level and one is
+/// asked for, or if the metadata gust.plant, gust.preset or gust.units say that it was made for something else.
 std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,
                                     const PolicyUse& use = {});
 

@@ -27,15 +27,18 @@ std::string read_beside(const fs::path& folder, const std::string& name, std::si
   const fs::path path = real_path(folder / name);
   if (path.empty()) throw Error(cat("its weights are in the file '", name, "', which is not beside it"));
   if (path.parent_path() != real_path(folder)) {
-    throw Error(cat("its weights are in the file '", name, "', a link that leads out of the folder; copy the file there"));
+    throw Error(
+        cat("its weights are in the file '", name, "', a link that leads out of the folder; copy the file there"));
   }
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(path, error))) {
     throw Error(cat("its weights are in '", name, "', which is no regular file"));
   }
   if (fs::file_size(path, error) > most && !error) {
-    throw Error(cat("its weights are in the file '", name, "', which is too large; the limit for all data files of a "
-                    "policy is ", kOnnxDataBytes, " bytes"));
+    throw Error(cat("its weights are in the file '", name,
+                    "', which is too large; the limit for all data files of a "
+                    "policy is ",
+                    kOnnxDataBytes, " bytes"));
   }
   return read_file(path, most);
 }

@@ -1,7 +1,8 @@
 // onnx_run MODEL.onnx: reads observations as float32 from the standard input until it ends, and writes a line "n m
 // kind" (kind is mlp or program), then the actions as float32. onnx_run --rewrite MODEL.onnx: writes the network as
 // gust writes its own; onnx_run --conditional ALPHA MODEL.onnx: the same, its last input being a risk level. onnx_run
-// --output NAME MODEL.onnx: runs another output; onnx_run --operators: the names of all operators. A file that is refused: exit 2 and the message on the standard error.
+// --output NAME MODEL.onnx: runs another output; onnx_run --operators: the names of all operators. A file that is
+// refused: exit 2 and the message on the standard error.
 #include <cstddef>
 #include <cstring>
 #include <exception>

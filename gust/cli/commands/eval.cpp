@@ -33,8 +33,7 @@ constexpr const char* kExamples =
 
 void add_options(CLI::App& command, EvalRequest& request) {
   command.add_option("POLICY", request.policy, "FILE.onnx, lqr, pd or zero")->required();
-  command
-      .add_option("--output", request.output, "the output of FILE.onnx that is the action, where it has several")
+  command.add_option("--output", request.output, "the output of FILE.onnx that is the action, where it has several")
       ->type_name("NAME");
   command.add_option("--study", request.study, "the folder that gust run left")->type_name("DIR");
   command.add_option("--sweep", request.sweep, "a sweep of the study (default: undisturbed)")->type_name("NAME");
