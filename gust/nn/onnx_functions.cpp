@@ -124,9 +124,9 @@ double celu(double x, double a) { return x < 0.0 ? a * (exponential(x / a) - 1.0
 double power(double x, double y) {
   if (y == 0.0 || x == 1.0) return 1.0;
   if (x != x || y != y) return kNan;
-  const double size = x < 0.0 ? -x : x;
+  const double size = std::fabs(x);
   const bool odd = std::fabs(y) < 0x1p53 && std::fmod(y, 2.0) != 0.0 && std::floor(y) == y;
-  if (x < 0.0 && std::floor(y) != y) return kNan;
+  if (x < 0.0 && size != kInfinity && std::floor(y) != y) return kNan;
   const double sign = std::signbit(x) && odd ? -1.0 : 1.0;
   if (std::floor(y) == y && std::fabs(y) <= 64.0) {
     double product = 1.0;

@@ -55,15 +55,15 @@ TEST_CASE("outputs that are constant or hand an input on are not the action") {
 TEST_CASE("several outputs that may be the action are listed with their shapes") {
   OnnxFixture file = outputs({"value", "logits"});
   file.graph().mutable_output(1)->mutable_type()->mutable_tensor_type()->mutable_shape()->add_dim()->set_dim_param("N");
-  file.graph().mutable_output(1)->mutable_type()->mutable_tensor_type()->mutable_shape()->add_dim()->set_dim_value(2);
+  file.graph().mutable_output(1)->mutable_type()->mutable_tensor_type()->mutable_shape()->add_dim()->set_dim_value(3);
 
   CHECK(refusal(file) ==
-        "test.onnx: has more than one output that may be the action: 'value' of unknown shape, 'logits' [N, 2]; say "
+        "test.onnx: has more than one output that may be the action: 'value' of unknown shape, 'logits' [N, 3]; say "
         "which: output = \"NAME\" in a study, --output NAME for gust eval");
   CHECK(read_onnx(file.bytes(), "test.onnx", {.output = "logits"}).actions() == 3);
   CHECK_THROWS_WITH_AS(read_onnx(file.bytes(), "test.onnx", {.output = "logit"}),
                        "test.onnx: has no output 'logit'; did you mean 'logits'?; it has 'value' of unknown shape, "
-                       "'logits' [N, 2]",
+                       "'logits' [N, 3]",
                        Error);
 }
 
