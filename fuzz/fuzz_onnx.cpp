@@ -3,7 +3,7 @@
 #include <cstring>
 #include <exception>
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "gust/core/error.h"
@@ -29,11 +29,14 @@ void run(const gust::OnnxModel& model) {
 
 }  // namespace
 
-/// Input: an ONNX file. Whatever it is, reading gives a network that runs, or one Error; and what is written from it
-/// reads back as the same network.
+/// Input: an ONNX file, which is each of its own data files. Whatever it is, reading gives a network that runs, or one
+/// Error; and what is written from it reads back as the same network.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    const gust::OnnxModel model = gust::read_onnx({reinterpret_cast<const char*>(data), size}, "fuzz.onnx");
+    const std::string bytes(reinterpret_cast<const char*>(data), size);
+    gust::OnnxData files;
+    for (const std::string& name : gust::onnx_data_files(bytes, "fuzz.onnx")) files[name] = bytes;
+    const gust::OnnxModel model = gust::read_onnx(bytes, "fuzz.onnx", {.data = &files});
     run(model);
     if (!model.actor) return 0;
     const gust::OnnxModel again = gust::read_onnx(gust::write_onnx(*model.actor, model.metadata), "written.onnx");

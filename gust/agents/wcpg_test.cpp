@@ -92,8 +92,8 @@ TEST_CASE("a policy of WCPG acts at its level unless it is told another, in its 
 
   const float own = act(read_onnx(bytes, "p.onnx"));
 
-  CHECK(own == act(read_onnx(bytes, "p.onnx", 0.25f)));
-  CHECK(own != act(read_onnx(bytes, "p.onnx", 0.75f)));
+  CHECK(own == act(read_onnx(bytes, "p.onnx", {.alpha = 0.25f})));
+  CHECK(own != act(read_onnx(bytes, "p.onnx", {.alpha = 0.75f})));
   CHECK(own == ActorRunner(actor, 1).act(seen)[0]);
 }
 

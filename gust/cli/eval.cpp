@@ -179,9 +179,11 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
           .final_state = part.final_state};
 }
 
-std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes) {
+std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data) {
   const Prepared prepared = prepare(request);
-  const std::unique_ptr<Policy> policy = request.has_file() ? onnx_policy(policy_bytes, request.policy, prepared.setup)
+  if (!request.has_file() && !request.output.empty()) throw Error("--output: is for a policy in a file");
+  const std::unique_ptr<Policy> policy = request.has_file() ? onnx_policy(policy_bytes, request.policy, prepared.setup,
+                                                                          {.output = request.output, .data = &data})
                                                             : make_policy(request.policy, prepared.setup, {"POLICY"});
   const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
                               .readings = prepared.setup.readings,

@@ -7,6 +7,7 @@
 
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
+#include "gust/nn/onnx_data.h"
 #include "gust/study/setup.h"
 
 namespace gust {
@@ -14,6 +15,7 @@ namespace gust {
 /// What `gust eval` is asked, as it was typed.
 struct EvalRequest {
   std::string policy;  ///< lqr, zero, pd, or the path of an ONNX file; with a study one of its policies
+  std::string output;  ///< of the ONNX file; empty: read_onnx finds it
   std::string study;   ///< result folder; the plant and all that follows but start, level and episodes are then its own
   std::string sweep;   ///< of the study; empty: undisturbed
   std::string plant;
@@ -43,9 +45,9 @@ struct EvalRow {
   std::vector<double> initial_state, final_state;
 };
 
-/// Runs what was asked; policy_bytes is the content of the policy's file if it has one. Mistakes are Errors before any
-/// episode runs. Equal requests give equal bits.
-std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes);
+/// Runs what was asked; policy_bytes is the content of the policy's file if it has one, and `data` the files that hold
+/// its weights. Mistakes are Errors before any episode runs. Equal requests give equal bits.
+std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data = {});
 
 /// Runs one cell of a study again, with every seed or file of the policy; a trained one is read from the study's store.
 /// The metrics are the numbers that the study has or would have there.

@@ -114,9 +114,10 @@ void set_level(OnnxGraph& graph, float alpha) {
 
 }  // namespace
 
-OnnxModel read_onnx(std::string_view bytes, std::string_view name, std::optional<float> alpha) {
-  OnnxGraph graph = read_onnx_graph(bytes, name);
-  if (alpha) set_level(graph, *alpha);
+OnnxModel read_onnx(std::string_view bytes, std::string_view name, const OnnxReading& reading) {
+  const OnnxData none;
+  OnnxGraph graph = read_onnx_graph(bytes, name, reading.output, reading.data != nullptr ? *reading.data : none);
+  if (reading.alpha) set_level(graph, *reading.alpha);
   const std::optional<float> level = level_of(graph);
   OnnxMetadata metadata = std::move(graph.metadata);
   OnnxProgram program = OnnxLowering(std::move(graph)).program();

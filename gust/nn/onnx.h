@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "gust/nn/actor_network.h"
+#include "gust/nn/onnx_data.h"
 #include "gust/nn/onnx_program.h"
 
 namespace gust {
@@ -29,17 +30,26 @@ struct OnnxModel {
   std::size_t actions() const { return program.widths[program.result]; }
 };
 
-/// Reads a feed-forward network of float32 (or float64, which is rounded to it), opset 11 or later, from the bytes of
-/// an ONNX file: the part that leads from the one input [N, n] to the output 'action' (or 'actions', else the first).
-/// The batch may be open or fixed; the network runs for any number of lanes. onnx_operator_names() is what it may use.
+/// How a file is read.
+struct OnnxReading {
+  std::optional<float> alpha = {};  ///< the risk level to act at; the file's own if none
+  std::string output = {};          ///< the output that is the action; empty: see read_onnx
+  const OnnxData* data = nullptr;   ///< the files that onnx_data_files() names
+};
+
+/// Reads a feed-forward network of float32 (or float64, which is rounded to it), opset 7 or later, from the bytes of an
+/// ONNX file: the part that leads from the one input [N, n] to the action. That is the output that is asked for, else
+/// 'action' or 'actions', else 'mu', 'mean' or 'deterministic_continuous_actions', else the only output that is
+/// computed from an input. The batch may be open or fixed; the network runs for any number of lanes.
+/// onnx_operator_names() is what it may use.
 ///
 /// An input 'alpha' of one number that the file gives a default is a risk level: the model acts at that default, or at
 /// the level that is asked for.
 ///
-/// An Error that starts with `name` for everything else: damaged files, weights kept in a second file, operators that
-/// are not supported, shapes that do not fit, numbers that are not finite, files above 64 MiB or 2^24 weights, a level
-/// for a file without 'alpha'.
-OnnxModel read_onnx(std::string_view bytes, std::string_view name, std::optional<float> alpha = {});
+/// An Error that starts with `name` for everything else: damaged files, weights in a data file that is not given or too
+/// short, several outputs that may be the action, operators that are not supported, recurrent networks, shapes that do
+/// not fit, numbers that are not finite, files above 64 MiB or 2^24 weights, a level for a file without 'alpha'.
+OnnxModel read_onnx(std::string_view bytes, std::string_view name, const OnnxReading& reading = {});
 
 /// The actor as an ONNX file of opset 17: input obs [N, n], output action [N, m], both float32; where it depends on a
 /// risk level, a second input alpha [1] with the actor's level as its default. Equal arguments give equal bytes, and

@@ -83,6 +83,13 @@ inline void set(onnx::NodeProto& node, const std::string& name, float value) {
   attribute.set_f(value);
 }
 
+inline void set_list(onnx::NodeProto& node, const std::string& name, std::initializer_list<std::int64_t> values) {
+  onnx::AttributeProto& attribute = *node.add_attribute();
+  attribute.set_name(name);
+  attribute.set_type(onnx::AttributeProto::INTS);
+  for (const std::int64_t value : values) attribute.add_ints(value);
+}
+
 /// The actions for observations, lane by lane.
 inline std::vector<float> act(const std::string& bytes, const std::vector<float>& observations) {
   const OnnxModel model = read_onnx(bytes, "test.onnx");

@@ -8,26 +8,34 @@
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
+#include "gust/nn/onnx_output.h"
 #include "gust/nn/onnx_proto.h"
 
 namespace gust {
 namespace {
 
-constexpr std::int64_t kOldestOpset = 11;  // since then the operators that we take mean what they mean today
+constexpr std::int64_t kOldestOpset = 7;  // since then values broadcast as they do today
 
 std::string describe(const onnx::NodeProto& node) {
   const std::string& name = !node.name().empty() || node.output_size() == 0 ? node.name() : node.output(0);
   return cat("node ", onnx_quoted(name), " of type ", onnx_quoted(node.op_type()));
 }
 
+bool is_recurrent(const onnx::NodeProto& node) {
+  static constexpr std::string_view kRecurrent[] = {"LSTM", "GRU", "RNN", "Scan", "Loop"};
+  return std::find(std::begin(kRecurrent), std::end(kRecurrent), node.op_type()) != std::end(kRecurrent);
+}
+
 // Who defines each name of a graph, and the walk from the action back to the observation.
 class GraphReader {
  public:
-  GraphReader(const onnx::ModelProto& model, std::string_view file) : model_(model), graph_(model.graph()) {
+  GraphReader(const onnx::ModelProto& model, std::string_view file, const OnnxData& data)
+      : model_(model), graph_(model.graph()), data_(data) {
     out_.file = file;
   }
 
-  OnnxGraph read();
+  /// The graph of the output of that name; if it is empty, of the one that is the action.
+  OnnxGraph read(std::string_view output);
 
  private:
   enum class Mark { kOpen, kDone };
@@ -38,7 +46,6 @@ class GraphReader {
 
   void check_opset();
   void index_names();
-  void choose_output();
   void collect_nodes();
   void visit_input(Visit& visit, std::vector<Visit>& path);
   void need_value(const std::string& name, const std::string& reader);
@@ -53,6 +60,7 @@ class GraphReader {
 
   const onnx::ModelProto& model_;
   const onnx::GraphProto& graph_;
+  const OnnxData& data_;
   OnnxGraph out_;
   std::unordered_map<std::string, int> producers_;  // node that writes a name
   std::unordered_map<std::string, int> initializers_;
@@ -62,11 +70,13 @@ class GraphReader {
   std::size_t elements_ = 0;
 };
 
-OnnxGraph GraphReader::read() {
+OnnxGraph GraphReader::read(std::string_view output) {
   if (!model_.has_graph()) fail("holds no graph; it is not an ONNX model, or it is cut short");
   check_opset();
   index_names();
-  choose_output();
+  const onnx::ValueInfoProto& chosen = choose_onnx_output(graph_, output, out_.file);
+  out_.output = chosen.name();
+  out_.output_dims = declared_dims(chosen);
   collect_nodes();
   read_input();
   find_level();
@@ -105,19 +115,6 @@ void GraphReader::index_names() {
   }
 }
 
-void GraphReader::choose_output() {
-  if (graph_.output_size() == 0) fail("the graph has no output; the action should be one");
-  const onnx::ValueInfoProto* chosen = nullptr;
-  for (const auto& info : graph_.output()) {
-    if (info.name() != "action" && info.name() != "actions") continue;
-    if (chosen != nullptr) fail("has an output 'action' and an output 'actions'; which of the two acts is unclear");
-    chosen = &info;
-  }
-  if (chosen == nullptr) chosen = &graph_.output(0);
-  out_.output = chosen->name();
-  out_.output_dims = declared_dims(*chosen);
-}
-
 // Depth first from the output to its inputs, without recursion: hostile graphs are deep.
 void GraphReader::collect_nodes() {
   std::vector<Visit> path;
@@ -132,6 +129,11 @@ void GraphReader::collect_nodes() {
     if (top.next_input < node.input_size()) {
       visit_input(top, path);
       continue;
+    }
+    if (is_recurrent(node)) {
+      fail(cat(describe(node),
+               ": is recurrent, and a policy here keeps nothing from one step to the next; train a"
+               " feed-forward network, or give it the last observations as part of the observation"));
     }
     out_.nodes.push_back(read_node(node));
     marks_[top.node] = Mark::kDone;
@@ -176,7 +178,7 @@ void GraphReader::need_value(const std::string& name, const std::string& reader)
 }
 
 OnnxTensor GraphReader::read_tensor(const onnx::TensorProto& proto, const std::string& what) {
-  OnnxTensor tensor = read_onnx_tensor(proto, cat(out_.file, ": ", what));
+  OnnxTensor tensor = read_onnx_tensor(proto, cat(out_.file, ": ", what), data_);
   elements_ += tensor.size();
   if (elements_ > kOnnxElements) fail(cat("holds more than ", kOnnxElements, " weights, the limit for a policy"));
   return tensor;
@@ -188,7 +190,9 @@ void GraphReader::read_input() {
   if (names.empty()) fail("the action does not depend on any input of the graph; a policy reads the observation");
   if (names.size() > 1) {
     names.resize(std::min<std::size_t>(names.size(), 8));
-    fail(cat("the action needs the inputs ", join(names, ", "), "; a policy has one input, the observation"));
+    fail(cat("the action needs the inputs ", join(names, ", "),
+             "; a policy has one input, the observation. A recurrent network, whose state is an input, cannot be used;"
+             " the parts of an observation must be joined to one before the export"));
   }
   out_.input = *needed_inputs_.begin();
   const onnx::ValueInfoProto& info = graph_.input(inputs_.at(out_.input));
@@ -202,7 +206,8 @@ void GraphReader::read_input() {
   if (dims.empty() || !sized) {
     fail(cat("input ", names[0], " has no fixed number of observations; its shape must be [N, n] with a given n"));
   }
-  if (batched) out_.fixed_batch = std::max<std::int64_t>(std::exchange(dims[0], kOnnxBatch), 0);
+  if (batched) out_.fixed_batch = std::max<std::int64_t>(dims[0], 0);
+  if (batched && dims[0] != 1) dims[0] = kOnnxBatch;
   out_.input_dims = std::move(dims);
 }
 
@@ -263,9 +268,10 @@ std::string onnx_quoted(std::string_view name) {
   return text + (name.size() > kLongest ? "...'" : "'");
 }
 
-OnnxGraph read_onnx_graph(std::string_view bytes, std::string_view name) {
+OnnxGraph read_onnx_graph(std::string_view bytes, std::string_view name, std::string_view output,
+                          const OnnxData& data) {
   const onnx::ModelProto model = parse_onnx(bytes, name);
-  return GraphReader(model, name).read();
+  return GraphReader(model, name, data).read(output);
 }
 
 }  // namespace gust

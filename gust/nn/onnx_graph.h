@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "gust/nn/onnx_data.h"
 #include "gust/nn/onnx_tensor.h"
 
 namespace gust {
@@ -32,7 +33,7 @@ struct OnnxGraph {
   std::int64_t opset = 0;
   std::string input;
   std::string output;
-  OnnxDims input_dims;           ///< kOnnxBatch first, or a single size
+  OnnxDims input_dims;           ///< kOnnxBatch first, unless the file knows no batch or one of a single lane
   std::int64_t fixed_batch = 0;  ///< the size of the batch that the file was made for; 0 if it leaves it open
   OnnxDims output_dims;          ///< as declared, kOnnxBatch for what is left open; empty if the file says nothing
   std::vector<OnnxNode> nodes;
@@ -41,9 +42,11 @@ struct OnnxGraph {
   std::map<std::string, std::string> metadata;
 };
 
-/// Reads the part of an ONNX file that computes the output 'action' (or 'actions', else the first). What else the file
-/// computes is left out, so it may use anything. An Error that starts with `name` for a damaged file, an opset below
-/// 11, cycles, names that nothing or more than one thing defines, no input or several, and sizes beyond all reason.
-OnnxGraph read_onnx_graph(std::string_view bytes, std::string_view name);
+/// Reads the part of an ONNX file that computes its action; `output` and `data` are those of OnnxReading. What else the
+/// file computes is left out, so it may use anything. An Error that starts with `name` for a damaged file, an opset
+/// below 7, cycles, recurrent nodes, names that nothing or more than one thing defines, no input or several, and sizes
+/// beyond all reason.
+OnnxGraph read_onnx_graph(std::string_view bytes, std::string_view name, std::string_view output = {},
+                          const OnnxData& data = {});
 
 }  // namespace gust

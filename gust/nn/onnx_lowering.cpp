@@ -30,6 +30,9 @@ OnnxProgram OnnxLowering::program() {
 
 void OnnxLowering::lower_node() {
   const OnnxOperator* op = find_onnx_operator(node_->op);
+  if (op == nullptr && node_->op.starts_with("Random")) {
+    fail("samples at random; choose the output of the action without noise (output = \"NAME\", --output NAME)");
+  }
   if (op == nullptr) fail("this operator is not supported; supported are " + onnx_operator_names());
   if (inputs() < op->least_inputs || inputs() > op->most_inputs) {
     fail(cat("has ", inputs(), " inputs; this operator takes ", op->least_inputs, " to ", op->most_inputs));
@@ -119,20 +122,23 @@ OnnxValue OnnxLowering::constant(OnnxTensor tensor) {
 }
 
 OnnxValue OnnxLowering::map(const OnnxValue& from, OnnxFunction function, float a, float b) {
-  OnnxMap step{.from = from.buffer, .to = 0, .function = function, .a = a, .b = b};
-  if (from.constant != nullptr) {
-    std::vector<float> result(floats(from).size());
-    apply(step, floats(from), result.data());
-    return constant({.dims = from.dims, .floats = std::move(result), .integers = {}});
-  }
-  step.to = add_buffer(from.dims);
-  return append(step, step.to, from.dims);
+  if (from.whole) fail("computes with integers that depend on the observation; cast them to float32 first");
+  return append_from(from, OnnxMap{.from = 0, .to = 0, .function = function, .a = a, .b = b}, from.dims);
 }
 
 OnnxValue OnnxLowering::combine(OnnxArithmetic arithmetic, const OnnxValue& left, const OnnxValue& right) {
+  const bool integral = left.integral() || right.integral();
+  if (left.constant != nullptr && right.constant != nullptr && left.integral() && right.integral()) {
+    return combine_integers(arithmetic, left, right);
+  }
+  if (left.integral() != right.integral() && arithmetic < OnnxArithmetic::kEqual) {
+    fail("computes with integers and floats together; cast the integers to float32 first");
+  }
+  const bool rounds = arithmetic == OnnxArithmetic::kDiv || arithmetic == OnnxArithmetic::kPow;
+  if (integral && rounds) fail("divides integers, or raises them to a power, where they depend on the observation");
   const OnnxDims dims = broadcast_dims(left.dims, right.dims);
-  const OnnxValue a = broadcast(left, dims);
-  const OnnxValue b = broadcast(right, dims);
+  const OnnxValue a = broadcast(as_floats(left), dims);
+  const OnnxValue b = broadcast(as_floats(right), dims);
   if (a.constant != nullptr && b.constant != nullptr) {
     std::vector<float> result(elements(dims));
     apply(arithmetic, floats(a).data(), floats(b).data(), result);
@@ -140,7 +146,48 @@ OnnxValue OnnxLowering::combine(OnnxArithmetic arithmetic, const OnnxValue& left
   }
   OnnxCombine step{.arithmetic = arithmetic, .left = operand(a), .right = operand(b), .to = add_buffer(dims)};
   const std::size_t buffer = step.to;
-  return append(std::move(step), buffer, dims);
+  OnnxValue result = append(std::move(step), buffer, dims);
+  result.whole = integral && arithmetic < OnnxArithmetic::kGreater;
+  return result;
+}
+
+OnnxValue OnnxLowering::combine_integers(OnnxArithmetic arithmetic, const OnnxValue& left, const OnnxValue& right) {
+  const OnnxDims dims = broadcast_dims(left.dims, right.dims);
+  const std::vector<std::int64_t>& a = broadcast(left, dims).constant->integers;
+  const std::vector<std::int64_t>& b = broadcast(right, dims).constant->integers;
+  std::vector<std::int64_t> result(elements(dims));
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    if (!integer_result(arithmetic, a[i], b[i], result[i])) fail("computes a size that is no integer");
+  }
+  return constant({.dims = dims, .floats = {}, .integers = std::move(result), .integral = true});
+}
+
+OnnxValue OnnxLowering::choose(const OnnxValue& condition, const OnnxValue& left, const OnnxValue& right) {
+  const OnnxDims dims = broadcast_dims(broadcast_dims(left.dims, right.dims), condition.dims);
+  const OnnxValue c = broadcast(condition, dims);
+  OnnxValue a = broadcast(left, dims);
+  OnnxValue b = broadcast(right, dims);
+  const bool integral = left.integral() || right.integral();
+  if (c.constant != nullptr && a.constant != nullptr && b.constant != nullptr && a.integral() && b.integral()) {
+    std::vector<std::int64_t> result = b.constant->integers;
+    const std::vector<float> chosen = floats(as_floats(c));
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      if (chosen[i] != 0.0f) result[i] = a.constant->integers[i];
+    }
+    return constant({.dims = dims, .floats = {}, .integers = std::move(result), .integral = true});
+  }
+  const OnnxValue values[] = {as_floats(c), as_floats(a), as_floats(b)};
+  if (c.constant != nullptr && a.constant != nullptr && b.constant != nullptr) {
+    std::vector<float> result(floats(values[1]).size());
+    gust::choose(floats(values[0]).data(), floats(values[1]).data(), floats(values[2]).data(), result);
+    return constant({.dims = dims, .floats = std::move(result), .integers = {}});
+  }
+  OnnxChoose step{
+      .condition = operand(values[0]), .left = operand(values[1]), .right = operand(values[2]), .to = add_buffer(dims)};
+  const std::size_t buffer = step.to;
+  OnnxValue result = append(std::move(step), buffer, dims);
+  result.whole = integral;
+  return result;
 }
 
 OnnxValue OnnxLowering::dense(const OnnxValue& from, Buffer<float> weights, std::vector<float> bias) {
@@ -153,28 +200,78 @@ OnnxValue OnnxLowering::dense(const OnnxValue& from, Buffer<float> weights, std:
   check_finite(weights);
   check_finite(bias);
   if (elements(dims) == 0 || inputs == 0) fail("multiplies matrices without elements");
-  OnnxDense step{.from = from.buffer,
+  OnnxDense step{.from = 0,
                  .to = 0,
                  .rows = rows,
                  .inputs = inputs,
                  .outputs = outputs,
                  .weights = std::move(weights),
                  .bias = std::move(bias)};
-  if (from.constant != nullptr) {
-    std::vector<float> result(elements(dims));
-    apply(step, floats(from), result.data());
-    return constant({.dims = dims, .floats = std::move(result), .integers = {}});
+  return append_from(from, std::move(step), std::move(dims));
+}
+
+OnnxValue OnnxLowering::reduce(OnnxReduction reduction, const OnnxValue& from, const std::vector<std::size_t>& axes) {
+  std::vector<std::size_t> order;
+  std::vector<std::size_t> last;
+  OnnxDims dims = from.dims;
+  std::size_t run = 1;
+  for (std::size_t axis = 0; axis < dims.size(); ++axis) {
+    const bool reduced = std::find(axes.begin(), axes.end(), axis) != axes.end();
+    (reduced ? last : order).push_back(axis);
+    if (!reduced) continue;
+    if (dims[axis] == kOnnxBatch) fail("works along the batch; every lane must stay by itself");
+    run *= static_cast<std::size_t>(std::exchange(dims[axis], 1));
   }
-  step.to = add_buffer(dims);
-  const std::size_t buffer = step.to;
-  return append(std::move(step), buffer, dims);
+  if (run == 0 || elements(dims) == 0) fail("reduces a value without elements");
+  if (from.whole) fail("reduces integers that depend on the observation; cast them to float32 first");
+  order.insert(order.end(), last.begin(), last.end());
+  const OnnxValue ordered = as_floats(transposed(from, order));
+  const OnnxReduce step{.from = 0, .to = 0, .reduction = reduction, .run = run};
+  return append_from(ordered, step, std::move(dims));
+}
+
+OnnxValue OnnxLowering::normalise(const OnnxValue& from, std::size_t run, float epsilon, bool centred) {
+  if (run == 0 || elements(from.dims) % run != 0) fail("normalises a value without elements");
+  const OnnxNormalise step{.from = 0, .to = 0, .run = run, .epsilon = epsilon, .centred = centred};
+  return append_from(from, step, from.dims);
+}
+
+OnnxValue OnnxLowering::transposed(const OnnxValue& from, const std::vector<std::size_t>& order) {
+  if (std::is_sorted(order.begin(), order.end())) return from;
+  OnnxDims dims;
+  std::vector<std::size_t> strides;
+  for (const std::size_t axis : order) {
+    dims.push_back(from.dims[axis]);
+    std::size_t stride = 1;
+    for (std::size_t i = axis + 1; i < from.dims.size(); ++i)
+      stride *= static_cast<std::size_t>(lane_size(from.dims[i]));
+    strides.push_back(stride);
+  }
+  std::vector<std::size_t> indices(elements(dims), 0);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    std::size_t rest = i;
+    for (std::size_t axis = dims.size(); axis-- > 0;) {
+      const auto size = static_cast<std::size_t>(lane_size(dims[axis]));
+      indices[i] += rest % size * strides[axis];
+      rest /= size;
+    }
+  }
+  return pick(from, indices, std::move(dims));
+}
+
+OnnxValue OnnxLowering::as_floats(const OnnxValue& value) {
+  if (value.constant == nullptr || !value.constant->integral) return value;
+  const std::vector<std::int64_t>& integers = value.constant->integers;
+  return constant({.dims = value.dims, .floats = {integers.begin(), integers.end()}, .integers = {}});
 }
 
 OnnxValue OnnxLowering::pick(const OnnxValue& from, const std::vector<std::size_t>& indices, OnnxDims dims) {
   if (from.constant == nullptr) {
     std::vector<OnnxPick::Source> sources;
     for (const std::size_t index : indices) sources.push_back({from.buffer, index});
-    return pick_many(std::move(sources), std::move(dims));
+    OnnxValue picked = pick_many(std::move(sources), std::move(dims));
+    picked.whole = from.whole;
+    return picked;
   }
   OnnxTensor tensor{.dims = std::move(dims), .floats = {}, .integers = {}, .integral = from.constant->integral};
   for (const std::size_t index : indices) {
@@ -185,6 +282,15 @@ OnnxValue OnnxLowering::pick(const OnnxValue& from, const std::vector<std::size_
     }
   }
   return constant(std::move(tensor));
+}
+
+OnnxValue OnnxLowering::filled(const OnnxValue& from) {
+  const OnnxValue numbers = as_floats(from);
+  check_finite(floats(numbers));
+  const std::size_t buffer = add_buffer(from.dims);
+  OnnxValue result = append(OnnxConstant{.to = buffer, .row = floats(numbers)}, buffer, from.dims);
+  result.whole = from.integral();
+  return result;
 }
 
 OnnxValue OnnxLowering::pick_many(std::vector<OnnxPick::Source> sources, OnnxDims dims) {
@@ -210,8 +316,8 @@ OnnxDims OnnxLowering::broadcast_dims(const OnnxDims& left, const OnnxDims& righ
     const std::int64_t b = size_at(right, i);
     if (a != b && a != 1 && b != 1) fail("combines values of different shapes, or of different lanes of the batch");
     dims[i] = a == 1 ? b : a;
-    if (dims[i] == kOnnxBatch && i > 0) fail("combines values so that the batch is not their first dimension");
   }
+  if (std::count(dims.begin(), dims.end(), kOnnxBatch) > 1) fail("combines values of different lanes of the batch");
   return dims;
 }
 
@@ -235,7 +341,7 @@ OnnxValue OnnxLowering::broadcast(const OnnxValue& from, const OnnxDims& dims) {
     }
   }
   OnnxDims target = dims;
-  if (from.constant != nullptr && !target.empty() && target[0] == kOnnxBatch) target[0] = 1;
+  if (from.constant != nullptr) std::replace(target.begin(), target.end(), kOnnxBatch, std::int64_t{1});
   return pick(from, indices, target);
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -17,12 +18,18 @@
 namespace gust {
 
 /// What a name of the graph stands for while it is turned into a program: a constant, or a buffer that depends on the
-/// observation. The dimensions of a buffer start with kOnnxBatch, unless the model itself knows no batch.
+/// observation. One dimension of a buffer is kOnnxBatch, unless the model itself knows no batch.
 struct OnnxValue {
   OnnxDims dims;
   const OnnxTensor* constant = nullptr;  ///< lives as long as the lowering
   std::size_t buffer = 0;
+  bool whole = false;  ///< a buffer of integers in the file, held as floats
+
+  bool integral() const { return constant != nullptr ? constant->integral : whole; }
 };
+
+/// How many numbers of a lane a dimension counts for: the batch is one.
+inline std::int64_t lane_size(std::int64_t dim) { return dim == kOnnxBatch ? 1 : dim; }
 
 /// Turns a graph into a program, node by node. An operator reads its node through this and builds values with it; what
 /// depends on constants alone is computed at once.
@@ -63,19 +70,37 @@ class OnnxLowering {
   /// The number of elements of a shape, the batch counted as one.
   std::size_t elements(const OnnxDims& dims) const;
 
-  /// The size of the batch that the file was made for; 0 if it leaves it open.
+  /// The size of the batch that the file was made for; 0 if it leaves it open, or makes no difference.
   std::int64_t fixed_batch() const { return graph_.fixed_batch; }
+  std::int64_t opset() const { return graph_.opset; }
 
   // Building blocks.
   OnnxValue constant(OnnxTensor tensor);
   OnnxValue map(const OnnxValue& from, OnnxFunction function, float a = 0.0f, float b = 0.0f);
   OnnxValue combine(OnnxArithmetic arithmetic, const OnnxValue& left, const OnnxValue& right);
+  OnnxValue choose(const OnnxValue& condition, const OnnxValue& left, const OnnxValue& right);
+  OnnxValue number(float value) { return constant({.dims = {}, .floats = {value}, .integers = {}}); }
+
+  /// One number for the elements along some axes, whose size becomes 1.
+  OnnxValue reduce(OnnxReduction reduction, const OnnxValue& from, const std::vector<std::size_t>& axes);
+
+  /// Every `run` elements that lie side by side, brought to a mean square of one; see OnnxNormalise.
+  OnnxValue normalise(const OnnxValue& from, std::size_t run, float epsilon, bool centred);
+
+  /// The same value with its axes in another order: axis i of the result is axis order[i].
+  OnnxValue transposed(const OnnxValue& from, const std::vector<std::size_t>& order);
+
+  /// A constant as floats.
+  OnnxValue as_floats(const OnnxValue& value);
 
   /// from W + b: the last dimension of `from` are the inputs, weights and bias as in OnnxDense.
   OnnxValue dense(const OnnxValue& from, Buffer<float> weights, std::vector<float> bias);
 
   /// The elements of a value at some indices, as a value of another shape.
   OnnxValue pick(const OnnxValue& from, const std::vector<std::size_t>& indices, OnnxDims dims);
+
+  /// A constant as a buffer that holds it in every lane.
+  OnnxValue filled(const OnnxValue& from);
 
   /// Elements of buffers as a value of a shape.
   OnnxValue pick_many(std::vector<OnnxPick::Source> sources, OnnxDims dims);
@@ -91,6 +116,22 @@ class OnnxLowering {
   void lower_node();
   void check_output(const OnnxValue& output) const;
   OnnxValue append(OnnxStep step, std::size_t buffer, OnnxDims dims);
+  OnnxValue combine_integers(OnnxArithmetic arithmetic, const OnnxValue& left, const OnnxValue& right);
+
+  /// A step from one value: computed at once if that is constant.
+  template <class Step>
+  OnnxValue append_from(const OnnxValue& from, Step step, OnnxDims dims) {
+    if (from.constant != nullptr) {
+      std::vector<float> result(elements(dims));
+      apply(step, floats(from), result.data());
+      return constant({.dims = std::move(dims), .floats = std::move(result), .integers = {}});
+    }
+    step.from = from.buffer;
+    step.to = add_buffer(dims);
+    const std::size_t buffer = step.to;
+    return append(std::move(step), buffer, std::move(dims));
+  }
+
   std::size_t add_buffer(const OnnxDims& dims);
   OnnxOperand operand(const OnnxValue& value) const;
   void check_finite(std::span<const float> numbers) const;

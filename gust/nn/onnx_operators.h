@@ -20,10 +20,15 @@ struct OnnxOperator {
 
 inline constexpr std::size_t kAnyInputs = 1024;
 
-/// Operators that compute, that give values another shape, and that select among their elements.
+/// Operators that combine values number by number, that are functions of one number, that multiply matrices, that take
+/// numbers together, that select among them by ranges or by single indices, and that give values another shape.
 std::span<const OnnxOperator> onnx_arithmetic_operators();
-std::span<const OnnxOperator> onnx_shape_operators();
+std::span<const OnnxOperator> onnx_function_operators();
+std::span<const OnnxOperator> onnx_gather_operators();
+std::span<const OnnxOperator> onnx_product_operators();
+std::span<const OnnxOperator> onnx_reduction_operators();
 std::span<const OnnxOperator> onnx_selection_operators();
+std::span<const OnnxOperator> onnx_shape_operators();
 
 /// The operator of that name, or nullptr.
 const OnnxOperator* find_onnx_operator(std::string_view name);

@@ -72,22 +72,17 @@ TEST_CASE("products that do not fit, or would mix the lanes, are refused") {
 
   OnnxFixture mixed = product("Gemm");
   set(*mixed.graph().mutable_node(0), "transA", std::int64_t{1});
-  CHECK(refusal(mixed).find("depend on the observation") != std::string::npos);
+  CHECK(refusal(mixed).find("across the batch") != std::string::npos);
 
-  OnnxFixture square({0, 3});
-  square.node("Tanh", {"obs"}, "w");
-  square.node("MatMul", {"obs", "w"}, "action");
-  CHECK(refusal(square).find("takes weights that depend on the observation") != std::string::npos);
+  OnnxFixture lanes;
+  lanes.node("Transpose", {"obs"}, "columns");
+  lanes.node("MatMul", {"obs", "columns"}, "action");
+  CHECK(refusal(lanes).find("different lanes of the batch") != std::string::npos);
 
   OnnxFixture left;
   left.floats("w", {2, 3}, {1, 2, 3, 4, 5, 6});
   left.node("MatMul", {"w", "obs"}, "action");
-  CHECK(refusal(left).find("takes weights that depend on the observation") != std::string::npos);
-
-  OnnxFixture deep;
-  deep.floats("w", {1, 3, 2}, {1, 2, 3, 4, 5, 6});
-  deep.node("MatMul", {"obs", "w"}, "action");
-  CHECK(refusal(deep).find("must be a matrix") != std::string::npos);
+  CHECK(refusal(left).find("across the batch") != std::string::npos);
 
   OnnxFixture bias = product("Gemm", {"obs", "w", "c"});
   bias.floats("c", {3}, {1, 2, 3});
@@ -163,4 +158,21 @@ TEST_CASE("the list of operators is in order and complete") {
     CHECK(names.find(name) != std::string::npos);
   }
   CHECK(find_onnx_operator("gemm") == nullptr);
+}
+
+TEST_CASE("a constant matrix may stand on the left, and both factors may depend on the observation") {
+  OnnxFixture gain;
+  gain.floats("k", {2, 3}, {1, 10, 100, -1, -10, -100});
+  gain.node("Transpose", {"obs"}, "columns");
+  gain.node("MatMul", {"k", "columns"}, "forces");
+  gain.node("Transpose", {"forces"}, "action");
+  CHECK(act(gain, {1, 2, 3, 0, 0, 1}) == std::vector<float>{321, -321, 100, -100});
+
+  OnnxFixture square;
+  square.integers("second", {1});
+  square.integers("third", {2});
+  square.node("Unsqueeze", {"obs", "second"}, "row");
+  square.node("Unsqueeze", {"obs", "third"}, "column");
+  square.node("MatMul", {"row", "column"}, "action");
+  CHECK(act(square, {1, 2, 3, 0, 0, 2}) == std::vector<float>{14, 4});
 }

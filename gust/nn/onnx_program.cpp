@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "gust/core/error.h"
-#include "gust/core/math.h"
 
 namespace gust {
 namespace {
@@ -22,46 +21,74 @@ void add_bias(const OnnxDense& dense, std::span<float> rows) {
   }
 }
 
-template <class F>
-void map_all(std::span<const float> from, float* to, F f) {
-  for (std::size_t i = 0; i < from.size(); ++i) to[i] = f(from[i]);
+void add_sources(const OnnxOperand& operand, std::vector<std::size_t>& sources) {
+  if (operand.row.empty()) sources.push_back(operand.buffer);
 }
 
-template <class F>
-void combine_all(const float* left, const float* right, std::span<float> to, F f) {
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] = f(left[i], right[i]);
+/// The buffers that a step reads.
+template <class Step>
+std::vector<std::size_t> sources_of(const Step& step) {
+  return {step.from};
+}
+template <>
+std::vector<std::size_t> sources_of(const OnnxConstant&) {
+  return {};
+}
+template <>
+std::vector<std::size_t> sources_of(const OnnxCombine& combine) {
+  std::vector<std::size_t> sources;
+  for (const OnnxOperand* operand : {&combine.left, &combine.right}) add_sources(*operand, sources);
+  return sources;
+}
+template <>
+std::vector<std::size_t> sources_of(const OnnxChoose& choice) {
+  std::vector<std::size_t> sources;
+  for (const OnnxOperand* operand : {&choice.condition, &choice.left, &choice.right}) add_sources(*operand, sources);
+  return sources;
+}
+template <>
+std::vector<std::size_t> sources_of(const OnnxPick& pick) {
+  std::vector<std::size_t> sources;
+  for (const OnnxPick::Source& source : pick.sources) sources.push_back(source.buffer);
+  return sources;
 }
 
-template <class F>
-void for_each_source(const OnnxStep& step, F visit) {
-  if (const auto* combine = std::get_if<OnnxCombine>(&step)) {
-    if (combine->left.row.empty()) visit(combine->left.buffer);
-    if (combine->right.row.empty()) visit(combine->right.buffer);
-  } else if (const auto* pick = std::get_if<OnnxPick>(&step)) {
-    for (const OnnxPick::Source& source : pick->sources) visit(source.buffer);
-  } else if (const auto* map = std::get_if<OnnxMap>(&step)) {
-    visit(map->from);
-  } else {
-    visit(std::get<OnnxDense>(step).from);
+/// Running numbers of a reduction, in double.
+struct Running {
+  double sum = 0, product = 1, squares = 0, sizes = 0;
+};
+
+float reduced(OnnxReduction reduction, std::span<const float> numbers) {
+  Running running;
+  float low = numbers[0];
+  float high = numbers[0];
+  for (const float x : numbers) {
+    running.sum += x;
+    running.product *= x;
+    running.squares += double{x} * x;
+    running.sizes += x < 0.0f ? -double{x} : double{x};
+    low = low <= x || low != low ? low : x;  // NaN stays NaN
+    high = high >= x || high != high ? high : x;
   }
-}
-
-// Floats reach far beyond the range in which exp() is neither zero nor infinite; the bounds keep its integers from
-// overflowing.
-double exponential(double x) {
-  const double above = x < -709.0 ? -709.0 : x;
-  return exp(above > 710.0 ? 710.0 : above);
-}
-
-double hyperbolic_tangent(double x) {
-  const double size = x < 0.0 ? -x : x;
-  const double y = 1.0 - 2.0 / (exponential(2.0 * size) + 1.0);
-  return x < 0.0 ? -y : y;
-}
-
-double softplus(double x) {
-  const double tail = exponential(x < 0.0 ? x : -x);
-  return (x < 0.0 ? 0.0 : x) + log(1.0 + tail);  // NaN stays NaN
+  switch (reduction) {
+    case OnnxReduction::kSum:
+      return static_cast<float>(running.sum);
+    case OnnxReduction::kMean:
+      return static_cast<float>(running.sum / static_cast<double>(numbers.size()));
+    case OnnxReduction::kProduct:
+      return static_cast<float>(running.product);
+    case OnnxReduction::kSumOfSquares:
+      return static_cast<float>(running.squares);
+    case OnnxReduction::kSumOfSizes:
+      return static_cast<float>(running.sizes);
+    case OnnxReduction::kLength:
+      return static_cast<float>(std::sqrt(running.squares));
+    case OnnxReduction::kMin:
+      return low;
+    case OnnxReduction::kMax:
+      return high;
+  }
+  return 0.0f;
 }
 
 }  // namespace
@@ -73,51 +100,31 @@ void apply(const OnnxDense& dense, std::span<const float> from, float* to) {
 }
 
 void apply(const OnnxMap& map, std::span<const float> from, float* to) {
-  const float a = map.a;
-  const float b = map.b;
-  const auto elu = [a](float x) { return x < 0.0f ? static_cast<float>(a * (exponential(double{x}) - 1.0)) : x; };
-  const auto sigmoid = [](float x) { return static_cast<float>(1.0 / (1.0 + exponential(-double{x}))); };
-  const auto clip = [a, b](float x) {
-    const float above = x < a ? a : x;
-    return above > b ? b : above;
-  };
-  switch (map.function) {
-    case OnnxFunction::kTanh:
-      return map_all(from, to, [](float x) { return static_cast<float>(hyperbolic_tangent(double{x})); });
-    case OnnxFunction::kRelu:
-      return map_all(from, to, [](float x) { return x < 0.0f ? 0.0f : x; });
-    case OnnxFunction::kLeakyRelu:
-      return map_all(from, to, [a](float x) { return x < 0.0f ? a * x : x; });
-    case OnnxFunction::kElu:
-      return map_all(from, to, elu);
-    case OnnxFunction::kSigmoid:
-      return map_all(from, to, sigmoid);
-    case OnnxFunction::kSoftplus:
-      return map_all(from, to, [](float x) { return static_cast<float>(softplus(x)); });
-    case OnnxFunction::kExp:
-      return map_all(from, to, [](float x) { return static_cast<float>(exponential(double{x})); });
-    case OnnxFunction::kSqrt:
-      return map_all(from, to, [](float x) { return std::sqrt(x); });
-    case OnnxFunction::kClip:
-      return map_all(from, to, clip);
+  apply(map.function, {map.a, map.b}, from, to);
+}
+
+void apply(const OnnxReduce& reduce, std::span<const float> from, float* to) {
+  for (std::size_t at = 0; at < from.size(); at += reduce.run) {
+    *to++ = reduced(reduce.reduction, from.subspan(at, reduce.run));
   }
 }
 
-void apply(OnnxArithmetic arithmetic, const float* left, const float* right, std::span<float> to) {
-  switch (arithmetic) {
-    case OnnxArithmetic::kAdd:
-      return combine_all(left, right, to, [](float x, float y) { return x + y; });
-    case OnnxArithmetic::kSub:
-      return combine_all(left, right, to, [](float x, float y) { return x - y; });
-    case OnnxArithmetic::kMul:
-      return combine_all(left, right, to, [](float x, float y) { return x * y; });
-    case OnnxArithmetic::kDiv:
-      return combine_all(left, right, to, [](float x, float y) { return x / y; });
-    case OnnxArithmetic::kMin:
-      return combine_all(left, right, to, [](float x, float y) { return x <= y || x != x ? x : y; });
-    case OnnxArithmetic::kMax:
-      return combine_all(left, right, to, [](float x, float y) { return x >= y || x != x ? x : y; });
+void apply(const OnnxNormalise& normalise, std::span<const float> from, float* to) {
+  const auto count = static_cast<double>(normalise.run);
+  for (std::size_t at = 0; at < from.size(); at += normalise.run) {
+    const std::span<const float> numbers = from.subspan(at, normalise.run);
+    double mean = 0;
+    for (const float x : numbers) mean += normalise.centred ? x : 0.0;
+    mean /= count;
+    double squares = 0;
+    for (const float x : numbers) squares += (x - mean) * (x - mean);
+    const double length = std::sqrt(squares / count + normalise.epsilon);
+    for (const float x : numbers) *to++ = static_cast<float>((x - mean) / length);
   }
+}
+
+void choose(const float* condition, const float* left, const float* right, std::span<float> to) {
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] = condition[i] != 0.0f ? left[i] : right[i];
 }
 
 std::size_t OnnxProgram::add_buffer(std::size_t width) {
@@ -132,7 +139,9 @@ void OnnxProgram::remove_unused() {
   for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
     const bool needed = std::visit([&](const auto& kind) { return bool{used[kind.to]}; }, *step);
     if (!needed) continue;
-    for_each_source(*step, [&](std::size_t buffer) { used[buffer] = true; });
+    for (const std::size_t buffer : std::visit([](const auto& kind) { return sources_of(kind); }, *step)) {
+      used[buffer] = true;
+    }
     kept.push_back(std::move(*step));
   }
   std::reverse(kept.begin(), kept.end());
@@ -182,14 +191,37 @@ void OnnxProgramRunner::step(const OnnxMap& map) {
   apply(map, {buffer(map.from), size}, buffer(map.to));
 }
 
+const float* OnnxProgramRunner::row(const OnnxOperand& operand, std::size_t lane, std::size_t width) {
+  return operand.row.empty() ? buffer(operand.buffer) + lane * width : operand.row.data();
+}
+
 void OnnxProgramRunner::step(const OnnxCombine& combine) {
   const std::size_t width = program_.widths[combine.to];
   for (std::size_t lane = 0; lane < kBlock; ++lane) {
-    const auto row = [&](const OnnxOperand& operand) {
-      return operand.row.empty() ? buffer(operand.buffer) + lane * width : operand.row.data();
-    };
-    apply(combine.arithmetic, row(combine.left), row(combine.right), {buffer(combine.to) + lane * width, width});
+    apply(combine.arithmetic, row(combine.left, lane, width), row(combine.right, lane, width),
+          {buffer(combine.to) + lane * width, width});
   }
+}
+
+void OnnxProgramRunner::step(const OnnxChoose& choice) {
+  const std::size_t width = program_.widths[choice.to];
+  for (std::size_t lane = 0; lane < kBlock; ++lane) {
+    choose(row(choice.condition, lane, width), row(choice.left, lane, width), row(choice.right, lane, width),
+           {buffer(choice.to) + lane * width, width});
+  }
+}
+
+void OnnxProgramRunner::step(const OnnxConstant& constant) {
+  float* to = buffer(constant.to);
+  for (std::size_t lane = 0; lane < kBlock; ++lane) to = std::copy(constant.row.begin(), constant.row.end(), to);
+}
+
+void OnnxProgramRunner::step(const OnnxReduce& reduce) {
+  apply(reduce, {buffer(reduce.from), program_.widths[reduce.from] * kBlock}, buffer(reduce.to));
+}
+
+void OnnxProgramRunner::step(const OnnxNormalise& normalise) {
+  apply(normalise, {buffer(normalise.from), program_.widths[normalise.from] * kBlock}, buffer(normalise.to));
 }
 
 void OnnxProgramRunner::step(const OnnxPick& pick) {

@@ -6,12 +6,10 @@
 #include <vector>
 
 #include "gust/nn/buffer.h"
+#include "gust/nn/onnx_functions.h"
 #include "gust/nn/product.h"
 
 namespace gust {
-
-enum class OnnxFunction { kTanh, kRelu, kLeakyRelu, kElu, kSigmoid, kSoftplus, kExp, kSqrt, kClip };
-enum class OnnxArithmetic { kAdd, kSub, kMul, kDiv, kMin, kMax };
 
 /// to = from W + b, for each of `rows` rows of a lane. W lies input by input, outputs side by side; no bias is zeros.
 struct OnnxDense {
@@ -25,7 +23,7 @@ struct OnnxDense {
   Product<float> product = {};  ///< OnnxProgramRunner makes it
 };
 
-/// to = f(from). a and b are the function's parameters: the slope of leaky_relu and elu, the bounds of clip.
+/// to = f(from). a and b are the parameters of the function.
 struct OnnxMap {
   std::size_t from;
   std::size_t to;
@@ -58,11 +56,43 @@ struct OnnxPick {
   std::vector<Source> sources;
 };
 
-using OnnxStep = std::variant<OnnxDense, OnnxMap, OnnxCombine, OnnxPick>;
+/// to = the row, in every lane.
+struct OnnxConstant {
+  std::size_t to;
+  std::vector<float> row;
+};
+
+/// to[j] = the element of left or right, by whether the condition's is not 0.
+struct OnnxChoose {
+  OnnxOperand condition;
+  OnnxOperand left;
+  OnnxOperand right;
+  std::size_t to;
+};
+
+/// to[j] = one number for `run` elements of from, beginning at j run.
+struct OnnxReduce {
+  std::size_t from;
+  std::size_t to;
+  OnnxReduction reduction;
+  std::size_t run;
+};
+
+/// to = from / sqrt(mean of the squares + epsilon) over every `run` elements, the mean subtracted first if centred.
+struct OnnxNormalise {
+  std::size_t from;
+  std::size_t to;
+  std::size_t run;
+  float epsilon;
+  bool centred;
+};
+
+using OnnxStep =
+    std::variant<OnnxDense, OnnxMap, OnnxCombine, OnnxPick, OnnxConstant, OnnxChoose, OnnxReduce, OnnxNormalise>;
 
 /// Steps over float buffers, one of each width a lane; buffer 0 is the observation. Arithmetic is in float32, sums in
-/// ascending order with fused multiply-add, functions rounded from double. The bits of a lane do not depend on the
-/// number of lanes.
+/// ascending order with fused multiply-add; functions, reductions and normalisations are rounded from double. The bits
+/// of a lane do not depend on the number of lanes.
 struct OnnxProgram {
   std::vector<std::size_t> widths;
   std::vector<OnnxStep> steps;
@@ -78,11 +108,13 @@ struct OnnxProgram {
 /// to = from W + b for rows of inputs, whatever the buffers and the rows of the step.
 void apply(const OnnxDense& dense, std::span<const float> from, float* to);
 
-/// to[i] = f(from[i]), whatever the buffers of the step.
+/// What a step makes of some numbers, whatever the buffers of the step.
 void apply(const OnnxMap& map, std::span<const float> from, float* to);
+void apply(const OnnxReduce& reduce, std::span<const float> from, float* to);
+void apply(const OnnxNormalise& normalise, std::span<const float> from, float* to);
 
-/// to[i] = left[i] ∘ right[i].
-void apply(OnnxArithmetic arithmetic, const float* left, const float* right, std::span<float> to);
+/// to[i] = left[i] if condition[i] is not 0, else right[i].
+void choose(const float* condition, const float* left, const float* right, std::span<float> to);
 
 /// Runs a program again and again; holds its buffers. One thread at a time.
 class OnnxProgramRunner {
@@ -100,6 +132,11 @@ class OnnxProgramRunner {
   void step(const OnnxMap& map);
   void step(const OnnxCombine& combine);
   void step(const OnnxPick& pick);
+  void step(const OnnxConstant& constant);
+  void step(const OnnxChoose& choice);
+  void step(const OnnxReduce& reduce);
+  void step(const OnnxNormalise& normalise);
+  const float* row(const OnnxOperand& operand, std::size_t lane, std::size_t width);
 
   OnnxProgram program_;
   std::vector<std::size_t> offsets_;

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstdint>
 #include <cstring>
 
 #include "gust/core/error.h"
+#include "gust/nn/onnx_graph.h"
 
 namespace gust {
 namespace {
@@ -183,12 +185,52 @@ std::size_t element_count(const Tensor& proto, std::string_view where) {
   return empty ? 0 : count;
 }
 
-// The numbers of a tensor from raw_data or from the repeated field of its type, as To.
+std::size_t data_position(const Tensor& proto, std::string_view key, std::size_t standard, std::string_view where) {
+  for (const auto& entry : proto.external_data()) {
+    if (entry.key() != key) continue;
+    const std::string& text = entry.value();
+    std::size_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error == std::errc{} && end == text.data() + text.size()) return number;
+    throw Error(cat(where, ": has the ", key, " ", onnx_quoted(text), " in its data file; it must be a whole number"));
+  }
+  return standard;
+}
+
+// The bytes of a tensor that a data file holds.
+std::string_view bytes_outside(const Tensor& proto, std::string_view where, const OnnxData& data) {
+  std::string location;
+  for (const auto& entry : proto.external_data()) {
+    if (entry.key() == "location") location = entry.value();
+  }
+  const auto file = data.find(location);
+  if (file == data.end()) {
+    throw Error(cat(where, ": its weights are in the file ", onnx_quoted(location),
+                    ", which is not at hand; keep it beside the ONNX file, or save the model as one file"
+                    " (torch.onnx.export(..., external_data=False))"));
+  }
+  const std::size_t size = file->second.size();
+  const std::size_t offset = data_position(proto, "offset", 0, where);
+  const std::size_t length = data_position(proto, "length", size - std::min(offset, size), where);
+  if (offset > size || length > size - offset) {
+    throw Error(cat(where, ": needs ", length, " bytes from byte ", offset, " on of the file ", onnx_quoted(location),
+                    ", which has ", size, "; it is cut short, or belongs to another policy"));
+  }
+  return std::string_view(file->second).substr(offset, length);
+}
+
+// Where the numbers of a tensor are, if not in the field of their type.
+struct Storage {
+  std::string_view raw;
+  bool is_raw = false;
+};
+
+// The numbers of a tensor as To.
 template <class From, class To, class Field>
-std::vector<To> numbers(const Tensor& proto, const Field& field, std::string_view where) {
+std::vector<To> numbers(const Tensor& proto, const Field& field, const Storage& storage, std::string_view where) {
   const std::size_t count = element_count(proto, where);
-  const std::string& raw = proto.raw_data();
-  const bool is_raw = proto.has_raw_data() && (!raw.empty() || field.empty());
+  const std::string_view raw = storage.raw;
+  const bool is_raw = storage.is_raw && (!raw.empty() || field.empty());
   const std::size_t given = is_raw ? raw.size() / sizeof(From) : static_cast<std::size_t>(field.size());
   if (given != count || (is_raw && raw.size() % sizeof(From) != 0)) {
     throw Error(cat(where, ": its shape asks for ", count, " numbers, but the file holds ", given));
@@ -229,31 +271,28 @@ onnx::ModelProto parse_onnx(std::string_view bytes, std::string_view name) {
   return model;
 }
 
-OnnxTensor read_onnx_tensor(const onnx::TensorProto& proto, std::string_view where) {
-  if (proto.data_location() == Tensor::EXTERNAL || proto.external_data_size() > 0) {
-    throw Error(
-        cat(where,
-            ": is stored in a second file; save the model as one file (torch.onnx.export(..., external_data=False),"
-            " or onnx.save of the loaded model)"));
-  }
+OnnxTensor read_onnx_tensor(const onnx::TensorProto& proto, std::string_view where, const OnnxData& data) {
+  const bool outside = proto.data_location() == Tensor::EXTERNAL;
+  const Storage storage = {outside ? bytes_outside(proto, where, data) : std::string_view(proto.raw_data()),
+                           outside || proto.has_raw_data()};
   if (proto.has_segment()) throw Error(cat(where, ": is stored in segments; save the model with whole tensors"));
   OnnxTensor tensor;
   tensor.dims.assign(proto.dims().begin(), proto.dims().end());
   switch (proto.data_type()) {
     case Tensor::FLOAT:
-      tensor.floats = numbers<float, float>(proto, proto.float_data(), where);
+      tensor.floats = numbers<float, float>(proto, proto.float_data(), storage, where);
       return tensor;
     case Tensor::DOUBLE:
-      tensor.floats = numbers<double, float>(proto, proto.double_data(), where);
+      tensor.floats = numbers<double, float>(proto, proto.double_data(), storage, where);
       return tensor;
     case Tensor::INT32:
-      tensor.integers = numbers<std::int32_t, std::int64_t>(proto, proto.int32_data(), where);
+      tensor.integers = numbers<std::int32_t, std::int64_t>(proto, proto.int32_data(), storage, where);
       break;
     case Tensor::INT64:
-      tensor.integers = numbers<std::int64_t, std::int64_t>(proto, proto.int64_data(), where);
+      tensor.integers = numbers<std::int64_t, std::int64_t>(proto, proto.int64_data(), storage, where);
       break;
     case Tensor::BOOL:
-      tensor.integers = numbers<std::uint8_t, std::int64_t>(proto, proto.int32_data(), where);
+      tensor.integers = numbers<std::uint8_t, std::int64_t>(proto, proto.int32_data(), storage, where);
       break;
     default:
       throw Error(cat(where, ": has the type ", onnx_type_name(proto.data_type()), "; save the policy as float32"));

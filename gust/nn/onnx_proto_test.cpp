@@ -148,7 +148,7 @@ TEST_CASE("a tensor of another type or place is refused with the remedy") {
 
   onnx::TensorProto outside = tensor(onnx::TensorProto::FLOAT, {1});
   outside.set_data_location(onnx::TensorProto::EXTERNAL);
-  CHECK(tensor_error(outside).find("second file") != std::string::npos);
+  CHECK(tensor_error(outside).find("which is not at hand") != std::string::npos);
 
   onnx::TensorProto cut = tensor(onnx::TensorProto::FLOAT, {1});
   cut.mutable_segment()->set_begin(0);

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -15,7 +17,7 @@ namespace {
 
 using Positions = std::vector<std::size_t>;
 
-std::size_t size_of(std::int64_t dim) { return dim == kOnnxBatch ? 1 : static_cast<std::size_t>(dim); }
+std::size_t size_of(std::int64_t dim) { return static_cast<std::size_t>(lane_size(dim)); }
 
 std::size_t product(OnnxDims::const_iterator from, OnnxDims::const_iterator to) {
   return std::accumulate(from, to, std::size_t{1}, [](std::size_t a, std::int64_t dim) { return a * size_of(dim); });
@@ -75,15 +77,17 @@ void lower_slice(OnnxLowering& at) {
   OnnxValue value = at.input(0);
   const std::vector<std::int64_t> starts = at.integers(1, "starts");
   const std::vector<std::int64_t> ends = at.integers(2, "ends");
-  std::vector<std::int64_t> axes(starts.size());
-  std::iota(axes.begin(), axes.end(), 0);
-  if (at.has_input(3)) axes = at.integers(3, "axes");
+  std::vector<std::int64_t> axes = at.integers(3, "axes");
+  if (axes.empty()) axes.resize(starts.size());
+  if (!at.has_input(3) && at.find_attribute("axes") == nullptr) std::iota(axes.begin(), axes.end(), 0);
   std::vector<std::int64_t> steps(starts.size(), 1);
   if (at.has_input(4)) steps = at.integers(4, "steps");
   if (ends.size() != starts.size() || axes.size() != starts.size() || steps.size() != starts.size()) {
     at.fail("has lists of starts, ends, axes and steps of different lengths");
   }
   for (std::size_t i = 0; i < starts.size(); ++i) {
+    const bool is_whole = starts[i] == 0 && ends[i] >= std::numeric_limits<std::int32_t>::max() && steps[i] == 1;
+    if (is_whole) continue;  // x[:], also along the batch
     const std::size_t axis = lane_axis(at, value.dims, axes[i]);
     const Positions positions = slice_positions(at, {starts[i], ends[i], steps[i]}, value.dims[axis]);
     value = take(at, value, axis, positions);
@@ -142,53 +146,79 @@ struct Joined {
   std::vector<const OnnxValue*> parts;
   OnnxDims dims;
   std::size_t axis = 0;
+  bool constant = true;
 };
+
+/// Whether a part has the sizes of the others beside the axis; a constant is the same for every lane of a batch.
+bool fits(const OnnxValue& part, const OnnxDims& dims, std::size_t axis) {
+  if (part.dims.size() != dims.size()) return false;
+  for (std::size_t i = 0; i < dims.size(); ++i) {
+    const bool repeated = part.constant != nullptr && part.dims[i] == 1 && dims[i] == kOnnxBatch;
+    if (i != axis && part.dims[i] != dims[i] && !repeated) return false;
+  }
+  return true;
+}
 
 Joined read_parts(const OnnxLowering& at) {
   Joined joined;
-  std::int64_t size = 0;
   for (std::size_t i = 0; i < at.inputs(); ++i) {
-    const OnnxValue& part = at.input(i);
-    if (i == 0) {
-      joined.dims = part.dims;
-      joined.axis = lane_axis(at, part.dims, at.attribute("axis", std::int64_t{0}));
-    }
-    OnnxDims others = part.dims;
-    if (others.size() == joined.dims.size()) others[joined.axis] = joined.dims[joined.axis];
-    if (others != joined.dims) {
-      at.fail("joins values of different shapes, or constants with what depends on the observation");
-    }
-    size += part.dims[joined.axis];
-    joined.parts.push_back(&part);
+    joined.parts.push_back(&at.input(i));
+    const bool first_of_lane = joined.constant && at.input(i).constant == nullptr;
+    if (i == 0 || first_of_lane) joined.dims = at.input(i).dims;
+    joined.constant = joined.constant && at.input(i).constant != nullptr;
+  }
+  joined.axis = lane_axis(at, joined.dims, at.attribute("axis", std::int64_t{0}));
+  std::int64_t size = 0;
+  for (const OnnxValue* part : joined.parts) {
+    if (!fits(*part, joined.dims, joined.axis)) at.fail("joins values of different shapes");
+    if (part->integral() != joined.parts[0]->integral()) at.fail("joins integers with floats");
+    size += part->dims[joined.axis];
   }
   joined.dims[joined.axis] = size;
   at.elements(joined.dims);
   return joined;
 }
 
-void lower_concat(OnnxLowering& at) {
-  const Joined joined = read_parts(at);
+/// Calls take(part, element) for every element of the result, in its order.
+template <class F>
+void for_each_element(const Joined& joined, F take) {
   const auto axis = joined.dims.begin() + static_cast<std::ptrdiff_t>(joined.axis);
   const std::size_t outer = product(joined.dims.begin(), axis);
   const std::size_t inner = product(axis + 1, joined.dims.end());
-  const bool constant = joined.parts[0]->constant != nullptr;
-  OnnxTensor tensor{
-      .dims = joined.dims, .floats = {}, .integers = {}, .integral = constant && joined.parts[0]->constant->integral};
-  std::vector<OnnxPick::Source> sources;
   for (std::size_t i = 0; i < outer; ++i) {
     for (const OnnxValue* part : joined.parts) {
-      if ((part->constant != nullptr) != constant || (constant && part->constant->integral != tensor.integral)) {
-        at.fail("joins constants with what depends on the observation, or integers with floats");
-      }
       const std::size_t run = size_of(part->dims[joined.axis]) * inner;
-      for (std::size_t j = i * run; j < (i + 1) * run; ++j) {
-        if (!constant) sources.push_back({part->buffer, j});
-        if (constant && tensor.integral) tensor.integers.push_back(part->constant->integers[j]);
-        if (constant && !tensor.integral) tensor.floats.push_back(part->constant->floats[j]);
-      }
+      for (std::size_t j = i * run; j < (i + 1) * run; ++j) take(*part, j);
     }
   }
-  at.set_output(0, constant ? at.constant(std::move(tensor)) : at.pick_many(std::move(sources), joined.dims));
+}
+
+OnnxValue joined_constant(OnnxLowering& at, const Joined& joined) {
+  OnnxTensor tensor{.dims = joined.dims, .floats = {}, .integers = {}, .integral = joined.parts[0]->integral()};
+  for_each_element(joined, [&](const OnnxValue& part, std::size_t element) {
+    if (tensor.integral) {
+      tensor.integers.push_back(part.constant->integers[element]);
+    } else {
+      tensor.floats.push_back(part.constant->floats[element]);
+    }
+  });
+  return at.constant(std::move(tensor));
+}
+
+void lower_concat(OnnxLowering& at) {
+  Joined joined = read_parts(at);
+  if (joined.constant) return at.set_output(0, joined_constant(at, joined));
+  std::deque<OnnxValue> filled;  // the constants among the parts, as values of a lane
+  for (const OnnxValue*& part : joined.parts) {
+    if (part->constant != nullptr) part = &filled.emplace_back(at.filled(*part));
+  }
+  std::vector<OnnxPick::Source> sources;
+  for_each_element(joined, [&](const OnnxValue& part, std::size_t element) {
+    sources.push_back({part.buffer, element});
+  });
+  OnnxValue result = at.pick_many(std::move(sources), joined.dims);
+  result.whole = joined.parts[0]->whole;
+  at.set_output(0, result);
 }
 
 std::vector<std::int64_t> permutation(const OnnxLowering& at, std::size_t rank) {
@@ -205,28 +235,13 @@ std::vector<std::int64_t> permutation(const OnnxLowering& at, std::size_t rank) 
 void lower_transpose(OnnxLowering& at) {
   const OnnxValue from = at.input(0);
   const std::vector<std::int64_t> order = permutation(at, from.dims.size());
-  OnnxDims dims;
-  Positions strides;
-  for (const std::int64_t axis : order) {
-    dims.push_back(from.dims[static_cast<std::size_t>(axis)]);
-    strides.push_back(product(from.dims.begin() + axis + 1, from.dims.end()));
-    if (dims.back() == kOnnxBatch && dims.size() > 1) at.fail("moves the batch away from the first dimension");
-  }
-  Positions indices(at.elements(dims), 0);
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    std::size_t rest = i;
-    for (std::size_t axis = dims.size(); axis-- > 0;) {
-      indices[i] += rest % size_of(dims[axis]) * strides[axis];
-      rest /= size_of(dims[axis]);
-    }
-  }
-  at.set_output(0, at.pick(from, indices, dims));
+  at.set_output(0, at.transposed(from, {order.begin(), order.end()}));
 }
 
 constexpr OnnxOperator kSelection[] = {
     {"Concat", 1, kAnyInputs, lower_concat},
     {"Gather", 2, 2, lower_gather},
-    {"Slice", 3, 5, lower_slice},
+    {"Slice", 1, 5, lower_slice},
     {"Split", 1, 2, lower_split},
     {"Transpose", 1, 1, lower_transpose},
 };

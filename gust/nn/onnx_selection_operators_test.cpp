@@ -67,11 +67,37 @@ TEST_CASE("Split and Concat take lanes apart and together") {
   CHECK(act(file, {0, 1, 2, 3, 4}) == std::vector<float>{3, 4, 0, 1, 2, 3, 4});
 }
 
-TEST_CASE("Concat of constants with the observation, or of different shapes, is refused") {
+TEST_CASE("Concat joins constants to the observation, the same in every lane") {
+  OnnxFixture file({0, 2});
+  file.floats("goal", {1, 2}, {7, 8});
+  set(file.node("Concat", {"goal", "obs"}, "action"), "axis", std::int64_t{1});
+  CHECK(act(file, {1, 2, 3, 4}) == std::vector<float>{7, 8, 1, 2, 7, 8, 3, 4});
+
+  OnnxFixture rows({0, 2});
+  rows.floats("goal", {2, 2}, {7, 8, 7, 8});
+  set(rows.node("Concat", {"obs", "goal"}, "action"), "axis", std::int64_t{1});
+  CHECK(refusal(rows).find("different shapes") != std::string::npos);
+
+  OnnxFixture whole({0, 2});
+  whole.integers("goal", {7}).add_dims(1);
+  set(whole.node("Concat", {"obs", "goal"}, "action"), "axis", std::int64_t{1});
+  CHECK(refusal(whole).find("integers with floats") != std::string::npos);
+}
+
+TEST_CASE("Slice takes the whole batch, and before opset 10 its ranges as attributes") {
   OnnxFixture file;
-  file.floats("one", {1, 1}, {1});
-  set(file.node("Concat", {"obs", "one"}, "action"), "axis", std::int64_t{1});
-  CHECK(refusal(file).find("constants with what depends on the observation") != std::string::npos);
+  file.integers("start", {0, 1});
+  file.integers("end", {2147483647, 3});
+  file.node("Slice", {"obs", "start", "end"}, "action");
+  CHECK(act(file, {1, 2, 3, 4, 5, 6}) == std::vector<float>{2, 3, 5, 6});
+
+  OnnxFixture old;
+  old.model.mutable_opset_import(0)->set_version(9);
+  onnx::NodeProto& node = old.node("Slice", {"obs"}, "action");
+  set_list(node, "starts", {1});
+  set_list(node, "ends", {3});
+  set_list(node, "axes", {1});
+  CHECK(act(old, {1, 2, 3, 4, 5, 6}) == std::vector<float>{2, 3, 5, 6});
 }
 
 TEST_CASE("Gather picks by index, and drops the axis for a single one") {
@@ -102,6 +128,9 @@ TEST_CASE("Transpose reorders what follows the batch") {
   order.set_ints(0, 1);
   CHECK(refusal(file).find("no permutation") != std::string::npos);
 
+  order.set_ints(1, 2);
   order.set_ints(2, 0);
-  CHECK(refusal(file).find("moves the batch") != std::string::npos);
+  file.node("Flatten", {"action"}, "flat");
+  file.graph().mutable_output(0)->set_name("flat");
+  CHECK(refusal(file).find("first dimension is not the batch") != std::string::npos);
 }

@@ -11,33 +11,75 @@
 namespace gust {
 namespace {
 
-bool batched(const OnnxDims& dims) { return !dims.empty() && dims[0] == kOnnxBatch; }
-
-std::int64_t size_of(std::int64_t dim) { return dim == kOnnxBatch ? 1 : dim; }
+/// Whether the first dimension is the batch. Sizes are only put together where it is, or where there is none.
+bool batched(const OnnxLowering& at, const OnnxDims& dims) {
+  const auto batch = std::find(dims.begin(), dims.end(), kOnnxBatch);
+  if (batch != dims.end() && batch != dims.begin()) {
+    at.fail("gives another shape to a value whose first dimension is not the batch");
+  }
+  return batch != dims.end();
+}
 
 std::int64_t product(OnnxDims::const_iterator from, OnnxDims::const_iterator to) {
-  return std::accumulate(from, to, std::int64_t{1}, [](std::int64_t a, std::int64_t dim) { return a * size_of(dim); });
+  return std::accumulate(from, to, std::int64_t{1},
+                         [](std::int64_t a, std::int64_t dim) { return a * lane_size(dim); });
 }
 
 void lower_identity(OnnxLowering& at) { at.set_output(0, at.input(0)); }
 
-void lower_cast(OnnxLowering& at) {
-  constexpr std::int64_t kFloat = 1, kInt64 = 7, kDouble = 11;  // TensorProto.DataType
-  const std::int64_t to = at.attribute("to", std::int64_t{0});
-  const OnnxValue& from = at.input(0);
-  const bool integral = from.constant != nullptr && from.constant->integral;
-  const bool to_float = to == kFloat || to == kDouble;
-  if ((to_float && !integral) || (to == kInt64 && integral)) return at.set_output(0, from);
-  if (from.constant == nullptr || !(to_float || to == kInt64)) {
-    at.fail(cat("casts to type ", to, "; only float32 (1), float64 (11) and, for constants, int64 (7) are supported"));
-  }
-  OnnxTensor tensor{.dims = from.dims, .floats = {}, .integers = {}, .integral = to == kInt64};
-  for (const std::int64_t value : from.constant->integers) tensor.floats.push_back(static_cast<float>(value));
-  for (const float value : from.constant->floats) {
-    if (!(std::fabs(value) < 0x1p62f)) at.fail("casts a number to int64 that is none");
+/// Drops nothing when a policy acts.
+void lower_dropout(OnnxLowering& at) {
+  const bool trains = at.has_input(2) && at.input(2).constant != nullptr && at.input(2).constant->integral &&
+                      at.input(2).constant->integers != std::vector<std::int64_t>{0};
+  if (trains) at.fail("is in training mode and drops numbers at random; call model.eval() before the export");
+  at.set_output(0, at.input(0));
+}
+
+/// The numbers of a constant as integers, rounded towards 0.
+OnnxValue as_integers(OnnxLowering& at, const OnnxTensor& from) {
+  OnnxTensor tensor{.dims = from.dims, .floats = {}, .integers = {}, .integral = true};
+  for (const float value : from.floats) {
+    if (!(std::fabs(value) < 0x1p62f)) at.fail("casts a number to an integer that is none");
     tensor.integers.push_back(static_cast<std::int64_t>(value));
   }
-  at.set_output(0, at.constant(std::move(tensor)));
+  return at.constant(std::move(tensor));
+}
+
+/// 1 where a number is not 0.
+OnnxValue as_truths(OnnxLowering& at, OnnxValue value) {
+  value = at.as_floats(value);
+  value.whole = false;
+  return at.map(at.map(value, OnnxFunction::kNot), OnnxFunction::kNot);
+}
+
+void lower_cast(OnnxLowering& at) {
+  constexpr std::int64_t kFloat = 1, kInt32 = 6, kInt64 = 7, kBool = 9, kDouble = 11;  // TensorProto.DataType
+  const std::int64_t to = at.attribute("to", std::int64_t{0});
+  OnnxValue value = at.input(0);
+  if (to == kFloat || to == kDouble) {
+    value = at.as_floats(value);
+    value.whole = false;
+  } else if (to == kBool) {
+    value = as_truths(at, value);
+  } else if (to != kInt32 && to != kInt64) {
+    at.fail(cat("casts to type ", to, "; supported are float32 (1), int32 (6), int64 (7), bool (9) and float64 (11)"));
+  } else if (!value.integral() && value.constant != nullptr) {
+    value = as_integers(at, *value.constant);
+  } else if (!value.integral()) {
+    value = at.map(value, OnnxFunction::kTruncate);
+    value.whole = true;
+  }
+  at.set_output(0, value);
+}
+
+/// To the type of another value: floats, or integers.
+void lower_cast_like(OnnxLowering& at) {
+  OnnxValue value = at.input(0);
+  if (value.integral() == at.input(1).integral()) return at.set_output(0, value);
+  if (at.input(1).integral()) at.fail("casts to the type of integers; only floats are supported");
+  value = at.as_floats(value);
+  value.whole = false;
+  at.set_output(0, value);
 }
 
 void lower_constant(OnnxLowering& at) {
@@ -68,9 +110,10 @@ void lower_flatten(OnnxLowering& at) {
   const std::int64_t index = at.attribute("axis", std::int64_t{1});
   const auto rank = static_cast<std::int64_t>(from.dims.size());
   const std::int64_t axis = index == rank ? rank : static_cast<std::int64_t>(at.axis(index, from.dims.size()));
-  if (batched(from.dims) && axis != 1) at.fail("flattens the batch into the values; the axis must be 1");
+  const bool has_batch = batched(at, from.dims);
+  if (has_batch && axis != 1) at.fail("flattens the batch into the values; the axis must be 1");
   const auto middle = from.dims.begin() + axis;
-  const std::int64_t first = batched(from.dims) ? kOnnxBatch : product(from.dims.begin(), middle);
+  const std::int64_t first = has_batch ? kOnnxBatch : product(from.dims.begin(), middle);
   at.set_output(0, at.reshaped(from, {first, product(middle, from.dims.end())}));
 }
 
@@ -108,9 +151,10 @@ void lower_reshape(OnnxLowering& at) {
   OnnxDims dims = with_copied_sizes(at, from.dims, at.integers(1, "shape"));
   if (dims.size() > static_cast<std::size_t>(kOnnxRank)) at.fail("asks for a shape of too many dimensions");
   const auto count = static_cast<std::int64_t>(at.elements(from.dims));
+  const bool has_batch = batched(at, from.dims);
   const bool keeps_batch =
-      batched(from.dims) && !dims.empty() && (dims[0] == kOnnxBatch || (dims[0] > 0 && dims[0] == at.fixed_batch()));
-  if (batched(from.dims) && !keeps_batch) at.fail("moves the batch away from the first dimension");
+      has_batch && !dims.empty() && (dims[0] == kOnnxBatch || (dims[0] > 0 && dims[0] == at.fixed_batch()));
+  if (has_batch && !keeps_batch) at.fail("moves the batch away from the first dimension");
   if (keeps_batch) dims[0] = kOnnxBatch;
   infer_size(at, dims, keeps_batch ? 1 : 0, count);
   at.set_output(0, at.reshaped(from, dims));
@@ -119,13 +163,12 @@ void lower_reshape(OnnxLowering& at) {
 void lower_squeeze(OnnxLowering& at) {
   const OnnxValue& from = at.input(0);
   const std::vector<std::int64_t> axes = at.integers(1, "axes");
-  const auto is_one = [&](std::int64_t dim) { return dim == 1 || (dim == kOnnxBatch && at.fixed_batch() == 1); };
   std::vector<bool> dropped(from.dims.size(), false);
   for (const std::int64_t index : axes) dropped[at.axis(index, from.dims.size())] = true;
   OnnxDims dims;
   for (std::size_t i = 0; i < from.dims.size(); ++i) {
-    if (dropped[i] && !is_one(from.dims[i])) at.fail(cat("drops the axis ", i, ", whose size is not 1"));
-    const bool drop = axes.empty() ? is_one(from.dims[i]) : dropped[i];
+    if (dropped[i] && from.dims[i] != 1) at.fail(cat("drops the axis ", i, ", whose size is not 1"));
+    const bool drop = axes.empty() ? from.dims[i] == 1 : dropped[i];
     if (!drop) dims.push_back(from.dims[i]);
   }
   at.set_output(0, at.reshaped(from, dims));
@@ -140,7 +183,6 @@ void lower_unsqueeze(OnnxLowering& at) {
   for (const std::int64_t index : axes) added[at.axis(index, rank)] = true;
   const auto ones = static_cast<std::size_t>(std::count(added.begin(), added.end(), true));
   if (ones != axes.size()) at.fail("names an axis twice");
-  if (batched(from.dims) && added[0]) at.fail("moves the batch away from the first dimension");
   OnnxDims dims;
   auto next = from.dims.begin();
   for (const bool one : added) dims.push_back(one ? 1 : *next++);
@@ -164,7 +206,7 @@ void lower_shape(OnnxLowering& at) {
 /// A shape given by integers, in which the batch counts as one: what is constant is the same in every lane.
 OnnxDims constant_dims(const OnnxLowering& at, std::size_t index) {
   OnnxDims dims = at.integers(index, "shape");
-  if (!dims.empty() && dims[0] == kOnnxBatch) dims[0] = 1;
+  std::replace(dims.begin(), dims.end(), kOnnxBatch, std::int64_t{1});
   return dims;
 }
 
@@ -190,16 +232,12 @@ void lower_expand(OnnxLowering& at) {
 }
 
 constexpr OnnxOperator kShape[] = {
-    {"Cast", 1, 1, lower_cast},
-    {"Constant", 0, 0, lower_constant},
-    {"ConstantOfShape", 1, 1, lower_constant_of_shape},
-    {"Expand", 2, 2, lower_expand},
-    {"Flatten", 1, 1, lower_flatten},
-    {"Identity", 1, 1, lower_identity},
-    {"Reshape", 2, 2, lower_reshape},
-    {"Shape", 1, 1, lower_shape},
-    {"Squeeze", 1, 2, lower_squeeze},
-    {"Unsqueeze", 1, 2, lower_unsqueeze},
+    {"Cast", 1, 1, lower_cast},         {"CastLike", 2, 2, lower_cast_like},
+    {"Constant", 0, 0, lower_constant}, {"ConstantOfShape", 1, 1, lower_constant_of_shape},
+    {"Dropout", 1, 3, lower_dropout},   {"Expand", 2, 2, lower_expand},
+    {"Flatten", 1, 1, lower_flatten},   {"Identity", 1, 1, lower_identity},
+    {"Reshape", 2, 2, lower_reshape},   {"Shape", 1, 1, lower_shape},
+    {"Squeeze", 1, 2, lower_squeeze},   {"Unsqueeze", 1, 2, lower_unsqueeze},
 };
 
 }  // namespace

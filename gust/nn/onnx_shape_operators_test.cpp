@@ -62,7 +62,7 @@ TEST_CASE("Squeeze and Unsqueeze add and drop sizes of one") {
   OnnxFixture batch;
   batch.integers("axes", {0});
   batch.node("Unsqueeze", {"obs", "axes"}, "action");
-  CHECK(refusal(batch).find("moves the batch") != std::string::npos);
+  CHECK(act(batch, {1, 2, 3, 4, 5, 6}) == std::vector<float>{1, 2, 3, 4, 5, 6});
 
   OnnxFixture wide;
   wide.integers("axes", {1});
@@ -93,9 +93,25 @@ TEST_CASE("Cast to float of constants, and of floats to float, is taken") {
   file.node("Mul", {"wide", "weights"}, "action");
   CHECK(act(file, {1, 1, 1}) == std::vector<float>{1, 2, 3});
 
-  OnnxFixture rounded;
-  set(rounded.node("Cast", {"obs"}, "action"), "to", std::int64_t{7});
-  CHECK(refusal(rounded).find("casts to type 7") != std::string::npos);
+  OnnxFixture half;
+  set(half.node("Cast", {"obs"}, "action"), "to", std::int64_t{10});
+  CHECK(refusal(half).find("casts to type 10") != std::string::npos);
+}
+
+TEST_CASE("Cast rounds towards 0 and makes truths; integers that depend on the observation are not divided") {
+  OnnxFixture file;
+  set(file.node("Cast", {"obs"}, "whole"), "to", std::int64_t{7});
+  set(file.node("Cast", {"whole"}, "rounded"), "to", std::int64_t{1});
+  set(file.node("Cast", {"obs"}, "truth"), "to", std::int64_t{9});
+  set(file.node("Cast", {"truth"}, "ones"), "to", std::int64_t{1});
+  file.node("Add", {"rounded", "ones"}, "action");
+  CHECK(act(file, {-1.75f, 0, 2.5f}) == std::vector<float>{0, 0, 3});
+
+  OnnxFixture divided;
+  set(divided.node("Cast", {"obs"}, "whole"), "to", std::int64_t{7});
+  divided.integers("two", {2});
+  divided.node("Div", {"whole", "two"}, "action");
+  CHECK(refusal(divided).find("divides integers") != std::string::npos);
 }
 
 TEST_CASE("Constant takes every form of numbers") {

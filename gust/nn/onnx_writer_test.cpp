@@ -109,7 +109,7 @@ TEST_CASE("a risk level is an input with a default, at which the file is read, o
   const std::string bytes = write_onnx(actor, {});
 
   const OnnxModel standard = read_onnx(bytes, "x.onnx");
-  const OnnxModel other = read_onnx(bytes, "x.onnx", 0.9f);
+  const OnnxModel other = read_onnx(bytes, "x.onnx", {.alpha = 0.9f});
 
   CHECK(standard.observations() == 3);
   CHECK(standard.alpha == 0.3f);
@@ -118,6 +118,6 @@ TEST_CASE("a risk level is an input with a default, at which the file is read, o
   REQUIRE(other.actor);
   CHECK(std::ranges::equal(standard.actor->mlp.parameters(), at_level(actor, 0.3f).mlp.parameters()));
   CHECK(std::ranges::equal(other.actor->mlp.parameters(), at_level(actor, 0.9f).mlp.parameters()));
-  CHECK_THROWS_WITH_AS(read_onnx(write_onnx({network({.sizes = {3, 1}})}, {}), "x.onnx", 0.9f),
+  CHECK_THROWS_WITH_AS(read_onnx(write_onnx({network({.sizes = {3, 1}})}, {}), "x.onnx", {.alpha = 0.9f}),
                        "x.onnx: the policy has no input 'alpha'; it acts at one risk level", Error);
 }

@@ -1,10 +1,12 @@
 #include "gust/study/folder.h"
 
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "gust/core/hash.h"
 #include "gust/study/files.h"
+#include "gust/study/policy_files.h"
 
 namespace gust {
 namespace {
@@ -17,8 +19,9 @@ constexpr const char* kInputsFile = "inputs.json";
 constexpr const char* kInputsFolder = "inputs";
 
 struct KeptFile {
-  std::string path;  ///< as the study's pattern found it
-  std::string hash;  ///< and name of the copy
+  std::string path;                              ///< as the study's pattern found it
+  std::string hash;                              ///< and name of the copy
+  std::map<std::string, std::string> data = {};  ///< of an ONNX file: its data files by name, and their hashes
 };
 
 struct KeptInputs {
@@ -34,7 +37,10 @@ KeptInputs read_inputs(const fs::path& folder) {
     KeptInputs inputs{{json.value("study", kStudyFile), json.at("settings")}, {}};
     for (const Json& found : json.at("files")) {
       std::vector<KeptFile>& files = inputs.patterns.emplace_back();
-      for (const Json& file : found) files.push_back({file.at("path"), file.at("hash")});
+      for (const Json& file : found) {
+        files.push_back({file.at("path"), file.at("hash")});
+        if (file.contains("data")) files.back().data = file.at("data");
+      }
     }
     return inputs;
   } catch (const Json::exception&) {
@@ -42,12 +48,31 @@ KeptInputs read_inputs(const fs::path& folder) {
   }
 }
 
-/// The copy of a file that a study used, if it is still what it was.
-std::string read_kept(const fs::path& folder, const KeptFile& file) {
-  const fs::path path = folder / kInputsFolder / file.hash;
+/// The copy of what a study used, if it is still what it was.
+std::string read_copy(const fs::path& folder, const std::string& hash) {
+  const fs::path path = folder / kInputsFolder / hash;
   std::string bytes = read_file(path);
-  if (hash_hex(bytes) != file.hash) throw Error(cat(path.string(), ": damaged; run the study again"));
+  if (hash_hex(bytes) != hash) throw Error(cat(path.string(), ": damaged; run the study again"));
   return bytes;
+}
+
+StudyPolicy::File read_kept(const fs::path& folder, const KeptFile& kept) {
+  StudyPolicy::File file{kept.path, read_copy(folder, kept.hash)};
+  for (const auto& [name, hash] : kept.data) file.data[name] = read_copy(folder, hash);
+  return file;
+}
+
+/// Keeps a copy under the name of its hash, which it gives back.
+std::string keep_copy(const fs::path& folder, const std::string& bytes) {
+  const std::string hash = hash_hex(bytes);
+  write_file_atomically(folder / kInputsFolder / hash, bytes);
+  return hash;
+}
+
+Json keep_file(const fs::path& folder, const StudyPolicy::File& file) {
+  Json entry = {{"path", file.path}, {"hash", keep_copy(folder, file.bytes)}};
+  for (const auto& [name, bytes] : file.data) entry["data"][name] = keep_copy(folder, bytes);
+  return entry;
 }
 
 bool is_there(const fs::path& path) {
@@ -85,7 +110,10 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
     std::vector<StudyPolicy::File> files;
     for (const fs::path& path : glob_files(base, pattern)) {
       try {
-        files.push_back({path.lexically_relative(base.empty() ? "." : base).string(), read_file(path)});
+        std::string bytes = read_file(path);
+        OnnxData data = read_onnx_data(path, bytes);
+        files.push_back(
+            {path.lexically_relative(base.empty() ? "." : base).string(), std::move(bytes), std::move(data)});
       } catch (const Error& error) {
         throw error_at(place, error.what());
       }
@@ -106,11 +134,7 @@ void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
   Json patterns = Json::array();
   for (const std::vector<StudyPolicy::File>& files : study.found) {
     Json found = Json::array();
-    for (const StudyPolicy::File& file : files) {
-      const std::string hash = hash_hex(file.bytes);
-      write_file_atomically(path_ / kInputsFolder / hash, file.bytes);
-      found.push_back({{"path", file.path}, {"hash", hash}});
-    }
+    for (const StudyPolicy::File& file : files) found.push_back(keep_file(path_, file));
     patterns.push_back(found);
   }
   write_file_atomically(path_ / kInputsFile,
@@ -133,7 +157,7 @@ Study StudyFolder::open() const {
   const FindFiles find = [&](const std::string&, const Place&) {
     std::vector<StudyPolicy::File> files;
     if (asked == inputs.patterns.size()) return files;
-    for (const KeptFile& file : inputs.patterns[asked++]) files.push_back({file.path, read_kept(path_, file)});
+    for (const KeptFile& file : inputs.patterns[asked++]) files.push_back(read_kept(path_, file));
     return files;
   };
   return parse_study(read_file(text), text.string(), inputs.run.settings, find);

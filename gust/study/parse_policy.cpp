@@ -63,14 +63,16 @@ void check_level(const StudyPolicy& policy, const Table& table) {
 }
 
 void parse_onnx(const Table& table, const Study& study, const FindFiles& find, StudyPolicy& policy) {
-  check_keys(table, {"name", "kind", "file", "alpha"}, "an onnx policy");
+  check_keys(table, {"name", "kind", "file", "alpha", "output"}, "an onnx policy");
   policy.alpha = parse_level(table);
+  if (const Value* output = table.find("output")) policy.output = output->as_text("output");
   const std::string& pattern = required_text(table, "file", "an onnx policy");
   const Place& place = table.find("file")->place;
   policy.files = find(pattern, place);
   if (policy.files.empty()) throw error_at(place, "no file matches '", pattern, "'");
   for (const StudyPolicy::File& file : policy.files)
-    onnx_policy(file.bytes, file.path, study.setup, {.alpha = policy.alpha});
+    onnx_policy(file.bytes, file.path, study.setup,
+                {.alpha = policy.alpha, .output = policy.output, .data = &file.data});
 }
 
 std::vector<std::int64_t> parse_seeds(const Value& value) {

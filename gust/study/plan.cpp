@@ -88,6 +88,17 @@ std::string setting_text(const Study& study, const Sweep& sweep) {
   return text;
 }
 
+/// What a file is: its bytes, and those of the files that hold its weights.
+std::string file_text(const StudyPolicy::File& file) {
+  std::string text = hash_hex(file.bytes);
+  for (const auto& [name, bytes] : file.data) text += cat(" data ", hash_hex(bytes));
+  return text;
+}
+
+std::string output_text(const StudyPolicy& policy) {
+  return policy.output.empty() ? std::string() : cat("output ", policy.output, "\n");
+}
+
 /// What the policy is, without its name: equal policies in two studies share their trials.
 std::string policy_text(const Study& study, const Trial& trial, const Plan& plan) {
   const StudyPolicy& policy = study.policies[trial.policy];
@@ -99,7 +110,7 @@ std::string policy_text(const Study& study, const Trial& trial, const Plan& plan
     case StudyPolicy::Kind::kZero:
       return "policy zero\n";
     case StudyPolicy::Kind::kOnnx:
-      return cat("policy onnx ", hash_hex(policy.files[trial.member].bytes), "\n", level_text(policy));
+      return cat("policy onnx ", file_text(policy.files[trial.member]), "\n", output_text(policy), level_text(policy));
     default:
       return cat("policy ", plan.trials[trial.inputs.front()].id, "\n", level_text(policy));
   }

@@ -19,6 +19,13 @@ void check_sizes(const OnnxModel& model, std::string_view name, const Setup& set
     throw Error(cat(name, ": the policy takes ", model.observations(), " numbers; the plant ", setup.plant.kind,
                     " is observed by ", spec.observations(), " (", names_of(spec.state), ")"));
   }
+  if (model.actions() == 2 * spec.action.size()) {
+    throw Error(
+        cat(name, ": the policy gives ", model.actions(), " numbers, twice the ", spec.action.size(),
+            " that the plant ", setup.plant.kind, " takes (", names_of(spec.action),
+            "): probably the mean and the log-deviation of the action, joined. Export the mean alone (output[:, :",
+            spec.action.size(), "] of the network), or choose another output of the file"));
+  }
   if (model.actions() != spec.action.size()) {
     throw Error(cat(name, ": the policy gives ", model.actions(), " numbers; the plant ", setup.plant.kind, " takes ",
                     spec.action.size(), " (", names_of(spec.action), ")"));
@@ -56,7 +63,7 @@ std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, c
 std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,
                                     const PolicyUse& use) {
   const std::optional<float> alpha = use.alpha ? std::optional(static_cast<float>(*use.alpha)) : std::nullopt;
-  OnnxModel model = read_onnx(bytes, name, alpha);
+  OnnxModel model = read_onnx(bytes, name, {.alpha = alpha, .output = use.output, .data = use.data});
   check_sizes(model, name, setup);
   check_metadata(model, name, setup);
   return network_policy(std::move(model), use.arithmetic);

@@ -108,7 +108,12 @@ TEST_CASE("an ONNX policy in float differs from that in double by float's roundi
 TEST_CASE("an ONNX policy that does not fit the plant is an error that names the file") {
   CHECK(error_of(policy_file(6)) ==
         "p.onnx: the policy takes 6 numbers; the plant cartpole is observed by 4 (x, x_dot, theta, theta_dot)");
-  CHECK(error_of(policy_file(4, {}, 2)) == "p.onnx: the policy gives 2 numbers; the plant cartpole takes 1 (force)");
+  CHECK(error_of(policy_file(4, {}, 3)) == "p.onnx: the policy gives 3 numbers; the plant cartpole takes 1 (force)");
+  CHECK(error_of(policy_file(4, {}, 2)) ==
+        "p.onnx: the policy gives 2 numbers, twice the 1 that the plant cartpole takes (force): probably the mean and "
+        "the "
+        "log-deviation of the action, joined. Export the mean alone (output[:, :1] of the network), or choose another "
+        "output of the file");
   CHECK(error_of("no protobuf").substr(0, 8) == "p.onnx: ");
 }
 

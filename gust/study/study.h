@@ -8,6 +8,7 @@
 #include "gust/eval/claim.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
+#include "gust/nn/onnx_data.h"
 #include "gust/study/setup.h"
 
 namespace gust {
@@ -18,6 +19,7 @@ struct StudyPolicy {
   struct File {
     std::string path;  ///< as the study's pattern found it
     std::string bytes;
+    OnnxData data = {};  ///< the files beside an ONNX file that hold its weights; they are part of what the policy is
   };
 
   std::string name;
@@ -29,6 +31,7 @@ struct StudyPolicy {
   std::vector<std::int64_t> seeds;   ///< kTrain
   std::vector<Injection> disturbed;  ///< kTrain: on during training
   Randomisation randomised;          ///< kTrain: parameters drawn in training
+  std::string output;                ///< kOnnx: the output that is the action; empty: read_onnx finds it
   std::optional<double> alpha;       ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
 
   /// How many policies share the name: training seeds or files, else one.

@@ -235,9 +235,11 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
       return cascade_policy(*study.setup.plant, *study.setup.plant->spec().cascade);
     case StudyPolicy::Kind::kZero:
       return zero_policy(study.setup.plant->spec().observations(), study.setup.plant->spec().action.size());
-    case StudyPolicy::Kind::kOnnx:
-      return onnx_policy(policy.files[trial.member].bytes, policy.files[trial.member].path, study.setup,
-                         {.alpha = policy.alpha});
+    case StudyPolicy::Kind::kOnnx: {
+      const StudyPolicy::File& file = policy.files[trial.member];
+      return onnx_policy(file.bytes, file.path, study.setup,
+                         {.alpha = policy.alpha, .output = policy.output, .data = &file.data});
+    }
     default:
       break;
   }

@@ -118,9 +118,10 @@ def run_program(build, *arguments, data=b""):
     return done.stdout
 
 
-def run_gust(build, path, observations):
+def run_gust(build, path, observations, output=None):
     """The actions, and whether the network is a plain chain ("mlp") or not ("program")."""
-    out = run_program(build, path, data=observations.astype(np.float32).tobytes())
+    choice = ["--output", output] if output else []
+    out = run_program(build, *choice, path, data=observations.astype(np.float32).tobytes())
     header, _, actions = out.partition(b"\n")
     n, m, kind = header.decode().split()
     assert int(n) == observations.shape[1]

@@ -4,6 +4,7 @@
 
 #include "gust/cli/command.h"
 #include "gust/study/files.h"
+#include "gust/study/policy_files.h"
 
 namespace gust {
 namespace {
@@ -32,6 +33,8 @@ constexpr const char* kExamples =
 
 void add_options(CLI::App& command, EvalRequest& request) {
   command.add_option("POLICY", request.policy, "FILE.onnx, lqr, pd or zero")->required();
+  command.add_option("--output", request.output, "the output of FILE.onnx that is the action, where it has several")
+      ->type_name("NAME");
   command.add_option("--study", request.study, "the folder that gust run left")->type_name("DIR");
   command.add_option("--sweep", request.sweep, "a sweep of the study (default: undisturbed)")->type_name("NAME");
   command.add_option("--plant", request.plant, "kind of the plant (gust list plants)")->type_name("KIND");
@@ -70,14 +73,16 @@ void check_options(const CLI::App& command, const EvalRequest& request) {
     return;
   }
   for (const char* name :
-       {"--plant", "--preset", "--site", "--waveform", "--set", "--param", "--terminate", "--seed"}) {
+       {"--plant", "--preset", "--output", "--site", "--waveform", "--set", "--param", "--terminate", "--seed"}) {
     if (command.get_option(name)->count() > 0) throw Error(cat(name, ": comes from the study; leave it out"));
   }
 }
 
 std::vector<EvalRow> rows_of(const EvalRequest& request) {
   if (!request.study.empty()) return run_cell(request);
-  return run_eval(request, request.has_file() ? read_file(request.policy) : std::string());
+  if (!request.has_file()) return run_eval(request, {});
+  const std::string bytes = read_file(request.policy);
+  return run_eval(request, bytes, read_onnx_data(request.policy, bytes));
 }
 
 }  // namespace
