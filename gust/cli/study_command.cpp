@@ -181,11 +181,9 @@ std::string summary_json(const Study& study, const Summary& summary) {
                       {"unit", unit_name(verdict.measured.unit)},
                       {"n", verdict.measured.n}});
   }
-  return Json{{"study", study.name},
-              {"metric", study.metric_set.name(summary.margin_metric)},
-              {"margins", margins},
-              {"claims", claims},
-              {"missing", summary.missing}}
+  return Json{{"study", study.name},    {"metric", study.metric_set.name(summary.margin_metric)},
+              {"margins", margins},     {"claims", claims},
+              {"notes", summary.notes}, {"missing", summary.missing}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -63,14 +63,19 @@ void check_level(const StudyPolicy& policy, const Table& table) {
 }
 
 void parse_onnx(const Table& table, const Study& study, const FindFiles& find, StudyPolicy& policy) {
-  check_keys(table, {"name", "kind", "file", "alpha"}, "an onnx policy");
+  check_keys(table, {"name", "kind", "file", "alpha", "observe", "act", "units"}, "an onnx policy");
   policy.alpha = parse_level(table);
+  policy.interface = read_interface(table, study.setup.plant->spec());
   const std::string& pattern = required_text(table, "file", "an onnx policy");
   const Place& place = table.find("file")->place;
   policy.files = find(pattern, place);
   if (policy.files.empty()) throw error_at(place, "no file matches '", pattern, "'");
-  for (const StudyPolicy::File& file : policy.files)
-    onnx_policy(file.bytes, file.path, study.setup, {.alpha = policy.alpha});
+  for (const StudyPolicy::File& file : policy.files) {
+    const FilePolicy read =
+        file_policy(file.bytes, file.path, study.setup, {.alpha = policy.alpha, .interface = policy.interface});
+    policy.foreign = policy.foreign || read.foreign;
+    if (read.unit_assumed && policy.unit_assumed.empty()) policy.unit_assumed = file.path;
+  }
 }
 
 std::vector<std::int64_t> parse_seeds(const Value& value) {

@@ -107,7 +107,8 @@ TEST_CASE("an ONNX policy in float differs from that in double by float's roundi
 
 TEST_CASE("an ONNX policy that does not fit the plant is an error that names the file") {
   CHECK(error_of(policy_file(6)) ==
-        "p.onnx: the policy takes 6 numbers; the plant cartpole is observed by 4 (x, x_dot, theta, theta_dot)");
+        "p.onnx: the policy takes 6 numbers; the plant cartpole is observed by 4 (x, x_dot, theta, theta_dot); "
+        "'observe' says which of them it takes");
   CHECK(error_of(policy_file(4, {}, 2)) == "p.onnx: the policy gives 2 numbers; the plant cartpole takes 1 (force)");
   CHECK(error_of("no protobuf").substr(0, 8) == "p.onnx: ");
 }
@@ -120,6 +121,24 @@ TEST_CASE("metadata of a policy must not contradict the setup, and may be missin
         "p.onnx: the policy was made for the preset 'scg-default' (gust.preset in its metadata), not for 'scg-2022'");
   CHECK(error_of(policy_file(4, {{"gust.plant", "quadrotor"}})).find("for the plant 'quadrotor'") != std::string::npos);
   CHECK(error_of(policy_file(4, {{"gust.units", "N"}})).find("for the action unit 'N'") != std::string::npos);
+}
+
+TEST_CASE(
+    "a foreign policy's unit is assumed where nobody says it, and refused where its actions cannot be normalised") {
+  const FilePolicy silent = file_policy(policy_file(4), "p.onnx", cartpole());
+  const FilePolicy own =
+      file_policy(policy_file(4, {{"gust.plant", "cartpole"}, {"gust.units", "normalised"}}), "p.onnx", cartpole());
+  const FilePolicy said = file_policy(policy_file(4), "p.onnx", cartpole(), {.interface = {.says_unit = true}});
+
+  CHECK((silent.foreign && silent.unit_assumed));
+  CHECK_FALSE((own.foreign || own.unit_assumed));
+  CHECK((said.foreign && !said.unit_assumed));
+
+  Mlp<float> gain(MlpShape{.sizes = {4, 1}});
+  for (std::size_t i = 0; i < 4; ++i) gain.weight(0, 0, i) = 200.0f;  // at most 80 for starts of 0.3 m and 0.1 rad
+  CHECK(error_of(write_onnx({gain}, {})).find("give units = \"N\" or units = \"normalised\"") != std::string::npos);
+  CHECK_NOTHROW(onnx_policy(write_onnx({gain}, {}), "p.onnx", cartpole(), {.interface = {.says_unit = true}}));
+  CHECK_NOTHROW(onnx_policy(write_onnx({gain}, {{"gust.units", "normalised"}}), "p.onnx", cartpole()));
 }
 
 TEST_CASE("policies without a file are known by their names") {

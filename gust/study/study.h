@@ -5,6 +5,7 @@
 
 #include "gust/agents/agent.h"
 #include "gust/control/lqr.h"
+#include "gust/control/policy_interface.h"
 #include "gust/eval/claim.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
@@ -30,6 +31,9 @@ struct StudyPolicy {
   std::vector<Injection> disturbed;  ///< kTrain: on during training
   Randomisation randomised;          ///< kTrain: parameters drawn in training
   std::optional<double> alpha;       ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
+  PolicyInterface interface;         ///< kOnnx: how it sees and acts, if not as gust does
+  bool foreign = false;              ///< kOnnx: a file of it was not made by gust
+  std::string unit_assumed;          ///< kOnnx: the first file whose unit nobody says, under normalised actions
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;
