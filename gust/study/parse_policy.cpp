@@ -74,7 +74,7 @@ void parse_onnx(const Table& table, const Study& study, const FindFiles& find, S
     const FilePolicy read =
         file_policy(file.bytes, file.path, study.setup, {.alpha = policy.alpha, .interface = policy.interface});
     policy.foreign = policy.foreign || read.foreign;
-    if (read.unit_assumed && policy.unit_assumed.empty()) policy.unit_assumed = file.path;
+    if (policy.unit_warning.empty()) policy.unit_warning = read.unit_warning;
   }
 }
 

@@ -25,20 +25,16 @@ struct PolicyUse {
 /// A policy from a file, and what the file leaves open.
 struct FilePolicy {
   std::unique_ptr<Policy> policy;
-  bool foreign = false;       ///< its metadata have no gust.plant
-  bool unit_assumed = false;  ///< nobody says in which unit it acts: it is taken as the preset's normalised one
+  bool foreign = false;           ///< its metadata have no gust.plant
+  std::string unit_warning = {};  ///< if nobody says in which unit it acts and the preset's actions are normalised
 };
 
 /// The policy of an ONNX file. An Error that starts with `name` if the bytes are no policy, if inputs or outputs do not
 /// fit the plant or the interface, if it takes no risk level and one is asked for, or if the metadata gust.plant,
-/// gust.preset or gust.units say that it was made for something else. Also where nobody says in which unit it acts, the
-/// preset's actions are normalised, and most of its actions at random starts lie beyond their box.
+/// gust.preset or gust.units say that it was made for something else.
 FilePolicy file_policy(std::string_view bytes, std::string_view name, const Setup& setup, const PolicyUse& use = {});
 std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view name, const Setup& setup,
                                     const PolicyUse& use = {});
-
-/// "its actions are taken as normalised (force = 10 N times action), …": what is assumed of a unit that nobody says.
-std::string assumed_unit_text(const PlantSpec& spec);
 
 /// Where to look when a foreign policy fails at once: what gust gives and takes, and how to say otherwise.
 std::string interface_hint(const PlantSpec& spec);

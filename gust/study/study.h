@@ -33,7 +33,7 @@ struct StudyPolicy {
   std::optional<double> alpha;       ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
   PolicyInterface interface;         ///< kOnnx: how it sees and acts, if not as gust does
   bool foreign = false;              ///< kOnnx: a file of it was not made by gust
-  std::string unit_assumed;          ///< kOnnx: the first file whose unit nobody says, under normalised actions
+  std::string unit_warning;          ///< kOnnx: of its first file whose unit nobody says
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;

@@ -76,7 +76,7 @@ def test_unit_and_sign_of_actions_are_said_in_one_of_two_ways(gust, tmp_path):
 
 def test_unit_that_nobody_says_is_named_and_refused_where_it_cannot_be(gust, tmp_path):
     save(tmp_path, "own.onnx", GAIN)
-    save(tmp_path, "newton.onnx", 100 * GAIN)
+    save(tmp_path, "newton.onnx", 10 * GAIN)
 
     done = gust("eval", "own.onnx", *RANDOM)
     assert done.stderr.count("does not say the unit of its actions; they are taken as normalised (force = 10 N") == 1
