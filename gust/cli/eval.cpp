@@ -216,7 +216,7 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes) {
     rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
     rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
   });
-  if (file.unit_assumed) result.notes.push_back(cat(request.policy, " ", assumed_unit_text(spec)));
+  result.notes.push_back(file.unit_warning);
   const bool undisturbed = prepared.injections.empty() && request.parameters.empty();
   if (file.foreign && undisturbed) result.notes.push_back(failure_note(rows, spec));
   std::erase(result.notes, "");

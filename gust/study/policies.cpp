@@ -113,7 +113,7 @@ FilePolicy file_policy(std::string_view bytes, std::string_view name, const Setu
     throw Error(cat(name, ": its metadata say the unit of its actions; leave 'act' and 'units' out"));
   FilePolicy file;
   file.foreign = !model.metadata.contains("gust.plant");
-  file.unit_assumed = spec.normalized_action && !use.interface.says_unit && !model.metadata.contains("gust.units");
+  const bool said = use.interface.says_unit || model.metadata.contains("gust.units");
   file.policy = translated_policy(network_policy(std::move(model), use.arithmetic), use.interface, spec);
   if (spec.normalized_action && !said) file.unit_warning = cat(name, assumed_unit(*file.policy, setup));
   return file;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <span>
 
-#include "gust/study/policies.h"
-
 namespace gust {
 namespace {
 
@@ -93,9 +91,7 @@ std::vector<std::string> study_warnings(const Study& study) {
   }
   warn_of_windows(study.always, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
-    if (!policy.unit_assumed.empty())
-      warnings.push_back(
-          cat("policy '", policy.name, "': ", policy.unit_assumed, " ", assumed_unit_text(study.setup.plant->spec())));
+    if (!policy.unit_warning.empty()) warnings.push_back(cat("policy '", policy.name, "': ", policy.unit_warning));
     warn_of_windows(policy.disturbed, cat("policy '", policy.name, "'"), warnings);
     for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));
