@@ -123,22 +123,25 @@ TEST_CASE("metadata of a policy must not contradict the setup, and may be missin
   CHECK(error_of(policy_file(4, {{"gust.units", "N"}})).find("for the action unit 'N'") != std::string::npos);
 }
 
-TEST_CASE(
-    "a foreign policy's unit is assumed where nobody says it, and refused where its actions cannot be normalised") {
+TEST_CASE("a unit that nobody says is told under normalised actions, with what speaks against it") {
+  const OnnxMetadata ours = {{"gust.plant", "cartpole"}, {"gust.units", "normalised"}};
   const FilePolicy silent = file_policy(policy_file(4), "p.onnx", cartpole());
-  const FilePolicy own =
-      file_policy(policy_file(4, {{"gust.plant", "cartpole"}, {"gust.units", "normalised"}}), "p.onnx", cartpole());
+  const FilePolicy own = file_policy(policy_file(4, ours), "p.onnx", cartpole());
   const FilePolicy said = file_policy(policy_file(4), "p.onnx", cartpole(), {.interface = {.says_unit = true}});
-
-  CHECK((silent.foreign && silent.unit_assumed));
-  CHECK_FALSE((own.foreign || own.unit_assumed));
-  CHECK((said.foreign && !said.unit_assumed));
-
   Mlp<float> gain(MlpShape{.sizes = {4, 1}});
   for (std::size_t i = 0; i < 4; ++i) gain.weight(0, 0, i) = 200.0f;  // at most 80 for starts of 0.3 m and 0.1 rad
-  CHECK(error_of(write_onnx({gain}, {})).find("give units = \"N\" or units = \"normalised\"") != std::string::npos);
-  CHECK_NOTHROW(onnx_policy(write_onnx({gain}, {}), "p.onnx", cartpole(), {.interface = {.says_unit = true}}));
-  CHECK_NOTHROW(onnx_policy(write_onnx({gain}, {{"gust.units", "normalised"}}), "p.onnx", cartpole()));
+  const FilePolicy strong = file_policy(write_onnx({gain}, {}), "p.onnx", cartpole());
+
+  CHECK(silent.foreign);
+  CHECK(silent.unit_warning ==
+        "p.onnx does not say the unit of its actions: they are taken as normalised (force = 10 N times action). Say "
+        "units = \"normalised\" or units = \"N\" (--units)");
+  CHECK_FALSE(own.foreign);
+  CHECK(own.unit_warning.empty());
+  CHECK(said.foreign);
+  CHECK(said.unit_warning.empty());
+  CHECK(strong.unit_warning.find("; of 100 actions at random starts ") != std::string::npos);
+  CHECK(strong.unit_warning.find("lie beyond -1 to 1") != std::string::npos);
 }
 
 TEST_CASE("policies without a file are known by their names") {

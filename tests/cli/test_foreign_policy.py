@@ -74,17 +74,20 @@ def test_unit_and_sign_of_actions_are_said_in_one_of_two_ways(gust, tmp_path):
     assert "say the same" in gust("eval", "newton.onnx", *RANDOM, "--units", "N", "--act", "N", code=2).stderr
 
 
-def test_unit_that_nobody_says_is_named_and_refused_where_it_cannot_be(gust, tmp_path):
+def test_unit_that_nobody_says_is_told_with_what_speaks_against_it(gust, tmp_path):
     save(tmp_path, "own.onnx", GAIN)
     save(tmp_path, "newton.onnx", 10 * GAIN)
 
-    done = gust("eval", "own.onnx", *RANDOM)
-    assert done.stderr.count("does not say the unit of its actions; they are taken as normalised (force = 10 N") == 1
-    assert gust("eval", "own.onnx", *RANDOM, "--units", "normalised").stderr == ""
-    assert gust("eval", "own.onnx", *RANDOM, "--preset", "scg-default", code=None).stderr.count("unit of its") == 0
-    refused = gust("eval", "newton.onnx", *RANDOM, code=2).stderr
-    assert "lie beyond" in refused and 'units = "N"' in refused
-    assert gust("eval", "newton.onnx", *RANDOM, "--units", "N").returncode == 0
+    silent = gust("eval", "own.onnx", *RANDOM).stderr
+    newton = gust("eval", "newton.onnx", *RANDOM, "--json")
+
+    assert silent.count("own.onnx does not say the unit of its actions: they are taken as normalised (force = 10 N") == 1
+    assert "lie beyond" not in silent
+    assert "lie beyond -1 to 1 (up to " in newton.stderr and 'units = "N"' in newton.stderr
+    assert len(json.loads(newton.stdout)) == 5
+    for known in (["own.onnx", "--units", "normalised"], ["newton.onnx", "--units", "N"], ["newton.onnx", "--act", "N"],
+                  ["newton.onnx", "--preset", "scg-default"]):
+        assert "does not say the unit" not in gust("eval", known[0], *RANDOM, *known[1:]).stderr
 
 
 def test_foreign_policy_that_fails_at_once_gets_a_hint(gust, tmp_path):
