@@ -73,6 +73,7 @@ OpenStudy open_study(const std::string& path) {
 }
 
 int tell_missing(const Summary& summary) {
+  for (const std::string& note : summary.notes) tell(cat("warning: ", note));
   for (const std::string& missing : summary.missing) tell(cat("not in the store: ", missing));
   return summary.missing.empty() ? kDone : kTrialFailed;
 }

@@ -42,7 +42,10 @@ std::vector<std::string> policy_notes(const Study& study, const Plan& plan, cons
   };
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kEvaluate || told_of[trial.policy]) continue;
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    const std::string_view kind = kind_name(trial.kind);
+    if (!std::filesystem::exists(store.folder_of(kind, trial.id) / kNotFiniteFile))
+      continue;  // most trials: read no rows
+    const std::optional<StoredTrial> stored = store.load(kind, trial.id);
     if (stored && stored->contains(kNotFiniteFile)) tell_of(trial, stored->read(kNotFiniteFile));
   }
   for (const Trial& trial : plan.trials) {

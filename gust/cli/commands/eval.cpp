@@ -33,7 +33,8 @@ constexpr const char* kExamples =
     "by its name, initial_state and final_state in the plant's order, and the seed (or file) of a study's policy. "
     "Length, sums, rmse_paper, rmse_scg, rmse_sum and final_state are over the row's steps: up to failure, or with "
     "--terminate no the whole horizon; the other metrics keep their definition (gust list metrics). With --study "
-    "all metrics are the study's.";
+    "all metrics are the study's.\n\n"
+    "Exit code 1: the policy gave NaN or an infinite action.";
 
 void add_options(CLI::App& command, EvalRequest& request) {
   command.add_option("POLICY", request.policy, "FILE.onnx, lqr, pd or zero")->required();

@@ -29,7 +29,6 @@ void command_report(CLI::App& app, int& exit_code) {
     const OpenStudy open = open_study(*folder);
     const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
     print_lines(cat(write_report(open.folder, open.study, summary, {}), "\n"));
-    for (const std::string& note : summary.notes) tell(cat("warning: ", note));
     exit_code = tell_missing(summary);
   });
 }
