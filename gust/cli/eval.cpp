@@ -5,6 +5,7 @@
 #include "gust/cli/settings.h"
 #include "gust/study/parse.h"
 #include "gust/study/policies.h"
+#include "gust/study/policy_notes.h"
 
 namespace gust {
 namespace {
@@ -144,6 +145,33 @@ Prepared prepare(const EvalRequest& request) {
   return prepared;
 }
 
+FilePolicy prepare_policy(const EvalRequest& request, const Setup& setup, std::string_view bytes,
+                          const OnnxData& data) {
+  if (!request.has_file() && !request.output.empty()) throw Error("--output: is for a policy in a file");
+  Table table;
+  const std::pair<const char*, const std::string*> options[] = {
+      {"observe", &request.observe}, {"act", &request.act}, {"units", &request.units}};
+  for (const auto& [key, text] : options) {
+    if (text->empty()) continue;
+    if (!request.has_file())
+      throw Error(cat("--", key, ": is for a policy from a file; '", request.policy, "' is gust's own"));
+    table.set(key, setting_value(*text, {cat("--", key)}));
+  }
+  if (!request.has_file()) return {.policy = make_policy(request.policy, setup, {"POLICY"})};
+  const PolicyUse use{
+      .output = request.output, .data = &data, .interface = read_interface(table, setup.plant->spec())};
+  return file_policy(bytes, request.policy, setup, use);
+}
+
+/// The hint if most episodes, which nothing disturbs, end within a second.
+std::string failure_note(const std::vector<EvalRow>& rows, const PlantSpec& spec) {
+  const auto early = std::ranges::count_if(rows, [&](const EvalRow& row) {
+    return row.failed && row.not_finite.empty() && row.metrics[MetricSet().index("time_to_failure", {})] <= kAtOnce;
+  });
+  const std::string failure = failure_hint_text(static_cast<std::size_t>(early), rows.size());
+  return failure.empty() ? failure : failure + interface_hint(spec);
+}
+
 /// The metrics of a row. Those that sum over an episode's steps sum over the row's; the others keep their definition.
 std::vector<double> row_metrics(const MetricSet& set, const Episode& episode, bool terminate) {
   Episode row = episode;
@@ -167,6 +195,7 @@ std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard)
 
 EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const Episode& episode, bool terminate) {
   const EpisodePart& part = episode.part(terminate);
+  const std::optional<NotFiniteAction> action = not_finite_action(evaluation, index, episode);
   return {.seed = {},
           .episode = index.episode,
           .length = part.steps,
@@ -176,15 +205,14 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
           .return_sum_disturbed = part.return_disturbed,
           .metrics = {},
           .initial_state = start_state(evaluation, index),
-          .final_state = part.final_state};
+          .final_state = part.final_state,
+          .not_finite = action ? not_finite_text(*action, evaluation.plant->spec()) : std::string()};
 }
 
-std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data) {
+EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data) {
   const Prepared prepared = prepare(request);
-  if (!request.has_file() && !request.output.empty()) throw Error("--output: is for a policy in a file");
-  const std::unique_ptr<Policy> policy = request.has_file() ? onnx_policy(policy_bytes, request.policy, prepared.setup,
-                                                                          {.output = request.output, .data = &data})
-                                                            : make_policy(request.policy, prepared.setup, {"POLICY"});
+  const FilePolicy file = prepare_policy(request, prepared.setup, policy_bytes, data);
+  const PlantSpec& spec = prepared.setup.plant->spec();
   const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
                               .readings = prepared.setup.readings,
                               .injections = prepared.injections,
@@ -193,12 +221,17 @@ std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view polic
                               .episodes = prepared.episodes,
                               .root = Rng(static_cast<std::uint64_t>(request.seed))};
   const MetricSet metric_set;
-  std::vector<EvalRow> rows;
-  evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
+  EvalResult result;
+  std::vector<EvalRow>& rows = result.rows;
+  evaluate(evaluation, *file.policy, [&](const EpisodeIndex& index, const Episode& episode) {
     rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
     rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
   });
-  return rows;
+  result.notes.push_back(file.unit_warning);
+  const bool undisturbed = prepared.injections.empty() && request.parameters.empty();
+  if (file.foreign && undisturbed) result.notes.push_back(failure_note(rows, spec));
+  std::erase(result.notes, "");
+  return result;
 }
 
 }  // namespace gust

@@ -24,6 +24,7 @@ struct EvalRequest {
   std::string site, waveform, level;    ///< all or none; of a study's grid two levels, "0.5,0.1"
   std::vector<std::string> settings;    ///< key=value: of the waveform, the injection, the readings or the plant
   std::vector<std::string> parameters;  ///< name=value or name=xfactor: the plant that the policy meets
+  std::string observe, act, units;      ///< how a file's policy sees and acts: TOML, or names with commas between
   std::string terminate = "yes";        ///< or "no"
   std::optional<std::int64_t> episodes;
   std::int64_t seed = 1;
@@ -43,11 +44,18 @@ struct EvalRow {
   double return_sum_disturbed = 0;
   std::vector<double> metrics;  ///< in the order of MetricSet; what a part of the episode decides is over its steps
   std::vector<double> initial_state, final_state;
+  std::string not_finite;  ///< of the first action that was NaN or infinite: step and state; empty if there was none
+};
+
+/// The episodes, and what the user should know of the policy.
+struct EvalResult {
+  std::vector<EvalRow> rows;
+  std::vector<std::string> notes = {};
 };
 
 /// Runs what was asked; policy_bytes is the content of the policy's file if it has one, and `data` the files that hold
 /// its weights. Mistakes are Errors before any episode runs. Equal requests give equal bits.
-std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data = {});
+EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data = {});
 
 /// Runs one cell of a study again, with every seed or file of the policy; a trained one is read from the study's store.
 /// The metrics are the numbers that the study has or would have there.

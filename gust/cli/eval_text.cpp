@@ -47,11 +47,11 @@ std::string table_line(std::string_view name, const std::vector<EvalRow>& rows, 
   for (const EvalRow& row : rows) {
     const double number = number_of(row);
     sum += number;
-    least = std::min(least, number);
-    greatest = std::max(greatest, number);
+    least = std::fmin(least, number);  // of those that are not NaN
+    greatest = std::fmax(greatest, number);
   }
   const double mean = sum / static_cast<double>(rows.size());
-  return fmt::format("{:<22}  {:>12.6g}  {:>12.6g}  {:>12.6g}\n", name, mean, least, greatest);
+  return format("{:<22}  {:>12.6g}  {:>12.6g}  {:>12.6g}\n", name, mean, least, greatest);
 }
 
 }  // namespace

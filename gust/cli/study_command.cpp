@@ -76,6 +76,7 @@ OpenStudy open_study(const std::string& path) {
 }
 
 int tell_missing(const Summary& summary) {
+  for (const std::string& note : summary.notes) tell(cat("warning: ", note));
   for (const std::string& missing : summary.missing) tell(cat("not in the store: ", missing));
   return summary.missing.empty() ? kDone : kTrialFailed;
 }
@@ -184,11 +185,9 @@ std::string summary_json(const Study& study, const Summary& summary) {
                       {"unit", unit_name(verdict.measured.unit)},
                       {"n", verdict.measured.n}});
   }
-  return Json{{"study", study.name},
-              {"metric", study.metric_set.name(summary.margin_metric)},
-              {"margins", margins},
-              {"claims", claims},
-              {"missing", summary.missing}}
+  return Json{{"study", study.name},    {"metric", study.metric_set.name(summary.margin_metric)},
+              {"margins", margins},     {"claims", claims},
+              {"notes", summary.notes}, {"missing", summary.missing}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -30,7 +30,7 @@ std::vector<std::pair<std::string, std::string>> provenance();
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
                          const std::vector<std::string>& warnings);
 
-/// Tells what the store lacks and gives the exit code.
+/// Tells what is wrong with policies and what the store lacks; the exit code is of what it lacks.
 int tell_missing(const Summary& summary);
 
 /// Threads to use: --threads, else GUST_THREADS, else all cores.

@@ -37,6 +37,7 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       lanes_(lanes),
       counter_(lanes, 0),
       failed_(lanes, 0),
+      not_finite_(lanes, 0.0),
       signals_(lanes),
       levels_(injections.size(), lanes),
       state_(plant.spec().state.size() + plant.spec().hidden, lanes),
@@ -95,11 +96,13 @@ void ClosedLoop::step(Rows<const double> command, Rows<const double> push, Rows<
 /// The policy's unit becomes the physical one; with a box (or where saturation comes first) the command is clipped.
 void ClosedLoop::command_actions(Rows<const double> command) noexcept {
   const PlantSpec& spec = plant_.spec();
+  std::ranges::fill(not_finite_, 0.0);
   for (std::size_t i = 0; i < spec.action.size(); ++i) {
     const double box_low = spec.normalized_action ? spec.action_offset[i] - spec.action_scale[i] : spec.action_low[i];
     const double box_high = spec.normalized_action ? spec.action_offset[i] + spec.action_scale[i] : spec.action_high[i];
     for (std::size_t lane = 0; lane < lanes_; ++lane) {
       const double wanted = spec.action_offset[i] + spec.action_scale[i] * command.at(i, lane);
+      if (!std::isfinite(wanted)) not_finite_[lane] = wanted;
       command_.at(i, lane) = boxed_ ? clip(wanted, box_low, box_high) : wanted;
       commanded_.at(i, lane) = clip(wanted, spec.action_low[i], spec.action_high[i]);
     }

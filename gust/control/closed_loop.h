@@ -62,6 +62,8 @@ class ClosedLoop {
   /// Rewards of the last step under both readings that recordings have: commanded and disturbed effort.
   std::span<const double> reward_commanded() const { return reward_commanded_.row(0); }
   std::span<const double> reward_disturbed() const { return reward_disturbed_.row(0); }
+  /// 0 if the last command was finite, else the NaN or infinity in it.
+  double not_finite_command(std::size_t lane) const { return not_finite_[lane]; }
   /// Whether the true state has left the safe set in the last step, or is no number any more.
   bool failed(std::size_t lane) const { return failed_[lane]; }
   /// Whether the plant has touched the ground since its episode began.
@@ -93,6 +95,7 @@ class ClosedLoop {
   bool disturbs_[std::size(kSites)] = {};
   std::vector<std::int64_t> counter_;
   std::vector<std::uint8_t> failed_;
+  std::vector<double> not_finite_;
   std::vector<std::shared_ptr<const Signals>> signals_;
   Matrix<double> levels_;  // injections x lanes
   Matrix<double> state_, parameters_, goal_, observation_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gust/core/text.h"
+
 namespace gust {
 namespace {
 
@@ -42,6 +44,14 @@ StepTally tally(const ClosedLoop& loop, const PlantSpec& spec, std::size_t lane)
 
 }  // namespace
 
+std::string not_finite_text(const NotFiniteAction& action, const PlantSpec& spec) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < action.state.size(); ++i)
+    parts.push_back(format("{} = {:.4g} {}", spec.state[i].name, action.state[i], spec.state[i].unit));
+  const char* gave = std::isnan(action.value) ? "NaN" : "an infinite action";
+  return cat("the policy gave ", gave, " at step ", action.step, ", state ", join(parts, ", "));
+}
+
 EpisodeMeter::EpisodeMeter(const PlantSpec& spec, std::size_t lanes) : spec_(spec), episodes_(lanes) {
   for (std::size_t lane = 0; lane < lanes; ++lane) begin(lane);
 }
@@ -66,6 +76,11 @@ void EpisodeMeter::record_lane(const ClosedLoop& loop, std::size_t lane) {
   Episode& episode = episodes_[lane];
   if (episode.whole.steps >= episode.horizon) return;
   const StepTally step = tally(loop, spec_, lane);
+  const double given = loop.not_finite_command(lane);
+  if (given != 0.0 && !episode.failed && !episode.not_finite) {
+    episode.not_finite = {episode.whole.steps, given, {}};
+    if (episode.whole.steps > 0) episode.not_finite->state = episode.whole.final_state;
+  }
   if (!episode.failed) {
     add(episode.ended, step, loop.state(), lane);
     ++episode.safe_steps;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <limits>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "gust/control/closed_loop.h"
@@ -20,6 +22,16 @@ struct EpisodePart {
   std::vector<double> final_state;
 };
 
+/// An action of the policy that was NaN or infinite.
+struct NotFiniteAction {
+  std::int64_t step = 0;           ///< control steps before it
+  double value = 0;                ///< what it was
+  std::vector<double> state = {};  ///< the true state in which it was given; empty: the one in which the episode began
+};
+
+/// "the policy gave NaN at step 3, state x = 0.1 m, …": for people.
+std::string not_finite_text(const NotFiniteAction& action, const PlantSpec& spec);
+
 /// What is remembered of one episode: up to its end if failure ends it, and over the whole horizon as if it did not.
 /// All metrics are functions of this.
 struct Episode {
@@ -29,6 +41,7 @@ struct Episode {
   std::int64_t safe_steps = 0;  ///< steps up to and with the one that failed; all of them if none did
   bool touched_ground = false;
   bool finite = true;  ///< false if a state or reward was no finite number; sums are then NaN where it entered
+  std::optional<NotFiniteAction> not_finite = {};  ///< the first one, before the episode failed
   double control_rate = 0;
   std::int64_t horizon = 0;
   std::size_t angle = 0;  ///< which state component is the angle

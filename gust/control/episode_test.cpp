@@ -51,6 +51,28 @@ TEST_CASE("an episode that does not fail ends with its horizon, both parts alike
   CHECK(episode.ended.return_sum == episode.whole.return_sum);
 }
 
+TEST_CASE("the first action that is NaN or infinite is kept with its step and state") {
+  const AdderPlant plant;
+  for (const double value : {std::nan(""), HUGE_VAL}) {
+    ClosedLoop loop(plant, Readings{}, {}, 1);
+    EpisodeStart begin = start_at_zero(plant, {}, {});
+    loop.begin(0, begin);
+    EpisodeMeter meter(plant.spec(), 1);
+    for (const double command : {0.5, 0.25, value, value}) {
+      step_all(loop, command);
+      meter.record(loop);
+    }
+
+    const std::optional<NotFiniteAction>& action = meter.episode(0).not_finite;
+    REQUIRE(action);
+    CHECK(action->step == 2);
+    CHECK(action->state == std::vector<double>{1.5, 0});
+    const std::string gave = std::isnan(value) ? "NaN" : "an infinite action";
+    CHECK(not_finite_text(*action, plant.spec()) == "the policy gave " + gave + " at step 2, state a = 1.5 m, b = 0 m");
+  }
+  CHECK_FALSE(run(0.0, 0.125).not_finite);
+}
+
 TEST_CASE("failure ends one part with the step that failed, and the other runs on") {
   const Episode episode = run(95.0, 1.0);  // 97, 99, 101, …
 

@@ -169,16 +169,14 @@ std::string fault_in(const std::vector<WorstError>& errors, const PlantSpec& spe
   const auto worst = std::max_element(errors.begin(), errors.end(), by_size);
   if (worst == errors.end() || worst->error <= tolerance) return {};
   const Component& state = spec.state[static_cast<std::size_t>(worst - errors.begin())];
-  return fmt::format("{} is off by {:.2g} {} at k = {} ({})", state.name, worst->error, state.unit, worst->record,
-                     mode);
+  return format("{} is off by {:.2g} {} at k = {} ({})", state.name, worst->error, state.unit, worst->record, mode);
 }
 
 std::string fault_of(const Validation& result, const PlantSpec& spec, const Tolerances& tolerances) {
   if (std::string fault = fault_in(result.one_step, spec, tolerances.step, "one step"); !fault.empty()) return fault;
   const auto beyond = [&](const char* what, const WorstError& worst) {
-    return worst.error <= tolerances.step
-               ? ""
-               : fmt::format("{} is off by {:.2g} at k = {}", what, worst.error, worst.record);
+    return worst.error <= tolerances.step ? ""
+                                          : format("{} is off by {:.2g} at k = {}", what, worst.error, worst.record);
   };
   for (std::string fault :
        {beyond("a_applied", result.applied), beyond("reward", result.reward), beyond("sq_err", result.squared_error),

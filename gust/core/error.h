@@ -2,19 +2,43 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace gust {
 
+/// What a value is printed as: itself, but a NaN has no sign.
+template <class T>
+decltype(auto) shown(const T& value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return value == value ? value : std::numeric_limits<T>::quiet_NaN();
+  } else {
+    return (value);
+  }
+}
+
+/// fmt::format, but a NaN prints as "nan", never as "-nan". For all numbers that may be NaN.
+template <class... Args>
+std::string format(fmt::format_string<const Args&...> text, const Args&... args) {
+  const auto print = [&](const auto&... shown) {
+    return fmt::vformat(fmt::string_view(text), fmt::make_format_args(shown...));
+  };
+  return print(shown(args)...);
+}
+
 /// Joins at most 32 values to one text; floating point numbers in their shortest form that reads back to the same
-/// value.
+/// value, NaN without a sign.
 template <class... Parts>
 std::string cat(const Parts&... parts) {
   static constexpr std::string_view kSlots = "{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}{}";
   static_assert(2 * sizeof...(Parts) <= kSlots.size());
-  return fmt::vformat(kSlots.substr(0, 2 * sizeof...(Parts)), fmt::make_format_args(parts...));
+  const auto print = [](const auto&... shown) {
+    return fmt::vformat(kSlots.substr(0, 2 * sizeof...(Parts)), fmt::make_format_args(shown...));
+  };
+  return print(shown(parts)...);
 }
 
 /// Something that the user can mend. The message reads "where: what; what would be right".

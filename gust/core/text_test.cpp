@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "gust/core/error.h"
 
 using namespace gust;
@@ -29,6 +32,14 @@ TEST_CASE("a hint is a question, or nothing") {
 
 TEST_CASE("a name of a megabyte has no neighbour, and is not compared") {
   CHECK(nearest(std::string(1 << 20, 's'), kWaves) == "");
+}
+
+TEST_CASE("a NaN is printed without a sign") {
+  const double minus_nan = std::copysign(std::numeric_limits<double>::quiet_NaN(), -1.0);
+  const float narrow = static_cast<float>(minus_nan);
+
+  CHECK(cat(minus_nan, " ", narrow, " ", -1.5) == "nan nan -1.5");
+  CHECK(format("{:>6.3g}|{}|{:.2f}", minus_nan, narrow, -0.5) == "   nan|nan|-0.50");
 }
 
 TEST_CASE("join puts the separator between parts, and split undoes it") {

@@ -102,6 +102,13 @@ std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex
   return random_start(evaluation.plant->spec(), episode_stream(evaluation, index.episode));
 }
 
+std::optional<NotFiniteAction> not_finite_action(const Evaluation& evaluation, const EpisodeIndex& index,
+                                                 const Episode& episode) {
+  std::optional<NotFiniteAction> action = episode.not_finite;
+  if (action && action->state.empty()) action->state = start_state(evaluation, index);
+  return action;
+}
+
 Signals episode_signals(const Evaluation& evaluation, std::int64_t episode) {
   return Signals(evaluation.injections, evaluation.plant->spec(), episode_stream(evaluation, episode));
 }

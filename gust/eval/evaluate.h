@@ -50,6 +50,10 @@ void evaluate(const Evaluation& evaluation, Policy& policy,
 /// The true state in which an episode of an evaluation begins.
 std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex& index);
 
+/// The first action of an episode that was NaN or infinite, with the state in which it was given.
+std::optional<NotFiniteAction> not_finite_action(const Evaluation& evaluation, const EpisodeIndex& index,
+                                                 const Episode& episode);
+
 /// What disturbs an episode of an evaluation, at level 1.
 Signals episode_signals(const Evaluation& evaluation, std::int64_t episode);
 

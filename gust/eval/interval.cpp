@@ -19,9 +19,9 @@ std::string_view unit_name(Unit unit) {
 }
 
 std::string interval_text(const Interval& interval) {
-  const std::string estimate = fmt::format("{:.4g}", interval.estimate);
+  const std::string estimate = format("{:.4g}", interval.estimate);
   if (std::isnan(interval.low) || std::isnan(interval.high)) return estimate + " (no interval)";
-  const std::string ends = fmt::format("{} [{:.4g}, {:.4g}]", estimate, interval.low, interval.high);
+  const std::string ends = format("{} [{:.4g}, {:.4g}]", estimate, interval.low, interval.high);
   return interval.unit == Unit::none ? ends : fmt::format("{} ({} {})", ends, interval.n, unit_name(interval.unit));
 }
 

@@ -15,7 +15,7 @@ std::string policy_html(const Page& page, std::size_t policy) {
   return cat("<b class=\"policy\" data-policy=\"", policy, "\">", escaped(page.policies[policy].name), "</b>");
 }
 
-std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string percent(double share) { return format("{:.0f} %", 100 * share); }
 
 /// The policy with the greatest undisturbed score; kNone where none is known.
 std::size_t best_undisturbed(const Page& page, std::size_t start) {

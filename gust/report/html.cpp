@@ -91,7 +91,7 @@ std::string decimal(double value, double scale) {
   if (std::isnan(value)) return "–";
   if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
   const double size = std::abs(scale);
-  if (std::isfinite(size) && size > 0 && (size >= 1e6 || size < 1e-4)) return fmt::format("{:.2e}", value);
+  if (std::isfinite(size) && size > 0 && (size >= 1e6 || size < 1e-4)) return format("{:.2e}", value);
   const double digits = std::isfinite(size) && size > 0 ? 2 - std::floor(std::log10(size)) : 2;
   std::string text = fmt::format("{:.{}f}", value, static_cast<int>(std::clamp(digits, 0.0, 6.0)));
   if (text.find_first_not_of("-0.") == std::string::npos && text.front() == '-') text.erase(0, 1);
@@ -106,12 +106,12 @@ std::string interval_text(const Page::Estimate& estimate, double scale) {
 
 std::string short_number(double value) {
   if (!std::isfinite(value)) return decimal(value, 1);
-  std::string text = fmt::format("{:.3g}", value);
+  std::string text = format("{:.3g}", value);
   if (text.front() == '-') text.replace(0, 1, "−");
   return text;
 }
 
-std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string percent(double share) { return format("{:.0f} %", 100 * share); }
 
 std::string counted(std::size_t count, std::string_view one, std::string_view many) {
   return cat(count, " ", count == 1 ? one : many);

@@ -40,7 +40,7 @@ double axis_end(const Page::Sweep& sweep, const Row& row) {
 
 std::string place(double value, double end) {
   const double share = end > 0 && std::isfinite(value) ? std::clamp(value / end, 0.0, 1.0) : 1.0;
-  return fmt::format("{:.1f}%", 100 * share);
+  return format("{:.1f}%", 100 * share);
 }
 
 /// The interval as a bar, the estimate as a tick; an arrow where the grid ended first.

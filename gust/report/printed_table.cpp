@@ -25,7 +25,7 @@ struct Axis {
   }
   std::string place(double value) const {
     const double share = high > low ? (value - low) / (high - low) : 0.0;
-    return fmt::format("{:.1f}%", 100 * std::clamp(share, 0.0, 1.0));
+    return format("{:.1f}%", 100 * std::clamp(share, 0.0, 1.0));
   }
 };
 

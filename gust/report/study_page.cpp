@@ -116,6 +116,7 @@ class PageWriter {
     page_.plant = cat(study_.setup.plant.kind, ", ", study_.setup.preset);
     page_.warnings = context.warnings;
     for (std::string& warning : study_warnings(study_)) page_.warnings.push_back(std::move(warning));
+    std::ranges::copy(summary_.notes, std::back_inserter(page_.warnings));
     for (const std::string& missing : summary_.missing) page_.warnings.push_back(cat("Not measured: ", missing));
     std::size_t not_finite = 0;
     for (const Series& series : summary_.series) not_finite += series.not_finite;

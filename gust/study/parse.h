@@ -12,6 +12,9 @@ inline constexpr std::int64_t kMostSeeds = 10'000;  ///< of a training
 /// entered by the name or id of a table.
 void apply_setting(Table& study, const std::string& setting);
 
+/// The value of a setting: TOML if it reads as such, else plain text.
+Value setting_value(const std::string& text, const Place& place);
+
 /// [[policy]]; `study` already has its setup.
 StudyPolicy parse_policy(const Table& table, const Study& study, const FindFiles& find);
 

@@ -63,16 +63,21 @@ void check_level(const StudyPolicy& policy, const Table& table) {
 }
 
 void parse_onnx(const Table& table, const Study& study, const FindFiles& find, StudyPolicy& policy) {
-  check_keys(table, {"name", "kind", "file", "alpha", "output"}, "an onnx policy");
+  check_keys(table, {"name", "kind", "file", "alpha", "output", "observe", "act", "units"}, "an onnx policy");
   policy.alpha = parse_level(table);
   if (const Value* output = table.find("output")) policy.output = output->as_text("output");
+  policy.interface = read_interface(table, study.setup.plant->spec());
   const std::string& pattern = required_text(table, "file", "an onnx policy");
   const Place& place = table.find("file")->place;
   policy.files = find(pattern, place);
   if (policy.files.empty()) throw error_at(place, "no file matches '", pattern, "'");
-  for (const StudyPolicy::File& file : policy.files)
-    onnx_policy(file.bytes, file.path, study.setup,
-                {.alpha = policy.alpha, .output = policy.output, .data = &file.data});
+  for (const StudyPolicy::File& file : policy.files) {
+    const PolicyUse use{
+        .alpha = policy.alpha, .output = policy.output, .data = &file.data, .interface = policy.interface};
+    const FilePolicy read = file_policy(file.bytes, file.path, study.setup, use);
+    policy.foreign = policy.foreign || read.foreign;
+    if (policy.unit_warning.empty()) policy.unit_warning = read.unit_warning;
+  }
 }
 
 std::vector<std::int64_t> parse_seeds(const Value& value) {

@@ -110,7 +110,8 @@ std::string policy_text(const Study& study, const Trial& trial, const Plan& plan
     case StudyPolicy::Kind::kZero:
       return "policy zero\n";
     case StudyPolicy::Kind::kOnnx:
-      return cat("policy onnx ", file_text(policy.files[trial.member]), "\n", output_text(policy), level_text(policy));
+      return cat("policy onnx ", file_text(policy.files[trial.member]), "\n", output_text(policy), level_text(policy),
+                 policy.interface.canonical(study.setup.plant->spec()));
     default:
       return cat("policy ", plan.trials[trial.inputs.front()].id, "\n", level_text(policy));
   }

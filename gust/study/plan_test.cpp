@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "gust/nn/onnx.h"
 #include "gust/study/study_fixture.h"
 
 using namespace gust;
@@ -128,4 +129,35 @@ TEST_CASE("an undisturbed training is shared by readings that it cannot tell apa
     CHECK(training_under(agent, {"readings.saturate=before"}) != training_under(agent, {}));
     CHECK(training_under(agent, {"readings.tap_point=tip"}) != training_under(agent, {}));
   }
+}
+
+namespace {
+
+/// The small study with one foreign policy: a gain of four numbers.
+Study foreign_study(const std::vector<std::string>& settings) {
+  Mlp<float> mlp(MlpShape{.sizes = {4, 1}});
+  const std::string bytes = write_onnx({mlp}, {});
+  const auto find = [&](const std::string& pattern, const Place&) {
+    return std::vector<StudyPolicy::File>{{pattern, bytes}};
+  };
+  const std::string text =
+      changed("name = \"nothing\"\nkind = \"zero\"", "name = \"nothing\"\nkind = \"onnx\"\nfile = \"a.onnx\"");
+  return parse_study(text, "small.toml", settings, find);
+}
+
+std::string foreign_trial(const std::vector<std::string>& settings) {
+  return expand(foreign_study(settings), {}).trials[4].canonical;
+}
+
+}  // namespace
+
+TEST_CASE("how a foreign policy sees and acts is part of its trials' text, where it differs from gust's own way") {
+  const std::string before = foreign_trial({});
+
+  CHECK(before.find("observe") == std::string::npos);
+  CHECK(foreign_trial({"policy.nothing.units=\"N\""}) == before);
+  CHECK(foreign_trial({"policy.nothing.observe=[\"x\", \"x_dot\", \"theta\", \"theta_dot\"]"}) == before);
+  CHECK(foreign_trial({"policy.nothing.units=\"mN\""}).find("\nact 0.001 0\n") != std::string::npos);
+  CHECK(foreign_trial({"policy.nothing.observe=[\"theta\", \"-x\", { x_dot = \"cm/s\" }, \"cos theta\"]"})
+            .find("\nobserve theta 1 0, x -1 0, x_dot 100 0, cos theta 1 0\n") != std::string::npos);
 }

@@ -107,7 +107,8 @@ TEST_CASE("an ONNX policy in float differs from that in double by float's roundi
 
 TEST_CASE("an ONNX policy that does not fit the plant is an error that names the file") {
   CHECK(error_of(policy_file(6)) ==
-        "p.onnx: the policy takes 6 numbers; the plant cartpole is observed by 4 (x, x_dot, theta, theta_dot)");
+        "p.onnx: the policy takes 6 numbers; the plant cartpole is observed by 4 (x, x_dot, theta, theta_dot); "
+        "'observe' says which of them it takes");
   CHECK(error_of(policy_file(4, {}, 3)) == "p.onnx: the policy gives 3 numbers; the plant cartpole takes 1 (force)");
   CHECK(error_of(policy_file(4, {}, 2)) ==
         "p.onnx: the policy gives 2 numbers, twice the 1 that the plant cartpole takes (force): probably the mean and "
@@ -125,6 +126,27 @@ TEST_CASE("metadata of a policy must not contradict the setup, and may be missin
         "p.onnx: the policy was made for the preset 'scg-default' (gust.preset in its metadata), not for 'scg-2022'");
   CHECK(error_of(policy_file(4, {{"gust.plant", "quadrotor"}})).find("for the plant 'quadrotor'") != std::string::npos);
   CHECK(error_of(policy_file(4, {{"gust.units", "N"}})).find("for the action unit 'N'") != std::string::npos);
+}
+
+TEST_CASE("a unit that nobody says is told under normalised actions, with what speaks against it") {
+  const OnnxMetadata ours = {{"gust.plant", "cartpole"}, {"gust.units", "normalised"}};
+  const FilePolicy silent = file_policy(policy_file(4), "p.onnx", cartpole());
+  const FilePolicy own = file_policy(policy_file(4, ours), "p.onnx", cartpole());
+  const FilePolicy said = file_policy(policy_file(4), "p.onnx", cartpole(), {.interface = {.says_unit = true}});
+  Mlp<float> gain(MlpShape{.sizes = {4, 1}});
+  for (std::size_t i = 0; i < 4; ++i) gain.weight(0, 0, i) = 200.0f;  // at most 80 for starts of 0.3 m and 0.1 rad
+  const FilePolicy strong = file_policy(write_onnx({gain}, {}), "p.onnx", cartpole());
+
+  CHECK(silent.foreign);
+  CHECK(silent.unit_warning ==
+        "p.onnx does not say the unit of its actions: they are taken as normalised (force = 10 N times action). Say "
+        "units = \"normalised\" or units = \"N\" (--units)");
+  CHECK_FALSE(own.foreign);
+  CHECK(own.unit_warning.empty());
+  CHECK(said.foreign);
+  CHECK(said.unit_warning.empty());
+  CHECK(strong.unit_warning.find("; of 100 actions at random starts ") != std::string::npos);
+  CHECK(strong.unit_warning.find("lie beyond -1 to 1") != std::string::npos);
 }
 
 TEST_CASE("policies without a file are known by their names") {

@@ -27,17 +27,6 @@ Value* element(Value::List& list, const std::string& key) {
   return &list[static_cast<std::size_t>(*number)];
 }
 
-/// The value of a setting: TOML if it reads as such, else plain text.
-Value setting_value(const std::string& text, const Place& place) {
-  try {
-    Value value = parse_toml("value = " + text, place.name).items.front().second;
-    value.place = place;
-    return value;
-  } catch (const Error&) {
-    return value_from_text(text, place);
-  }
-}
-
 Value* child(Value& parent, const std::string& key) {
   if (auto* list = std::get_if<Value::List>(&parent.data)) return element(*list, key);
   auto* table = std::get_if<Table>(&parent.data);
@@ -78,6 +67,16 @@ Error nothing_there(const Place& place, const Value& parent, const std::string& 
 }
 
 }  // namespace
+
+Value setting_value(const std::string& text, const Place& place) {
+  try {
+    Value value = parse_toml("value = " + text, place.name).items.front().second;
+    value.place = place;
+    return value;
+  } catch (const Error&) {
+    return value_from_text(text, place);
+  }
+}
 
 void apply_setting(Table& study, const std::string& setting) {
   const Place place{cat("--set ", setting)};

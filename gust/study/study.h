@@ -5,6 +5,7 @@
 
 #include "gust/agents/agent.h"
 #include "gust/control/lqr.h"
+#include "gust/control/policy_interface.h"
 #include "gust/eval/claim.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
@@ -33,6 +34,9 @@ struct StudyPolicy {
   Randomisation randomised;          ///< kTrain: parameters drawn in training
   std::string output;                ///< kOnnx: the output that is the action; empty: read_onnx finds it
   std::optional<double> alpha;       ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
+  PolicyInterface interface;         ///< kOnnx: how it sees and acts, if not as gust does
+  bool foreign = false;              ///< kOnnx: a file of it was not made by gust
+  std::string unit_warning;          ///< kOnnx: of its first file whose unit nobody says
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;

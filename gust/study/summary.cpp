@@ -10,6 +10,7 @@
 #include "gust/study/claim_scores.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
+#include "gust/study/policy_notes.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -290,6 +291,7 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
   }
   summary.curves = stored_curves(plan, store);
   summary.kept = stored_traces(plan, store);
+  summary.notes = policy_notes(study, plan, store);
   judge_formulas(study, plan, store, summary.claims);
   for (const StudyClaim& claim : study.claims) {
     if (std::ranges::find(summary.claims, &claim, &ClaimVerdict::claim) == summary.claims.end())

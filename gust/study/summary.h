@@ -73,6 +73,7 @@ struct Summary {
   std::vector<KeptTraces> kept;      ///< a choice that a page can hold, evenly over the plan
   std::size_t margin_metric = 0;
   std::vector<std::string> missing;  ///< trials that are not in the store
+  std::vector<std::string> notes;    ///< policy_notes(): what is wrong with a policy
 
   /// The series of a policy, sweep and start; null if its trials are missing.
   const Series* find(std::size_t policy, std::size_t sweep, std::size_t start) const;

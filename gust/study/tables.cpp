@@ -91,7 +91,7 @@ std::vector<std::string> undisturbed_row(const Study& study, const Summary& summ
   for (const double score : scores) best = std::max(best, score);  // never NaN: that compares false
   std::vector<std::string> row = {"undisturbed", "", "", study.metric_set.name(summary.margin_metric)};
   for (const double score : scores) {
-    row.push_back(std::isnan(score) ? "-" : fmt::format("{:.3g}{}", score, falls_short(score, best) ? " *" : ""));
+    row.push_back(std::isnan(score) ? "-" : format("{:.3g}{}", score, falls_short(score, best) ? " *" : ""));
   }
   return row;
 }

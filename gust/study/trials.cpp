@@ -100,8 +100,10 @@ Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, c
   RowsWriter rows(rows_header(study, evaluation.cells.size()), [&](std::string_view bytes) { file.append(bytes); });
   CellCollector collector(study, evaluation, rows);
   TraceChoice choice(study.traces, study.metric_set[study.metrics.front()].higher_is_better());
+  std::optional<NotFiniteAction> not_finite;
   try {
     evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
+      if (!not_finite) not_finite = not_finite_action(evaluation, index, episode);
       if (stop.stop_requested()) throw Stopped{};
       collector.take(index, episode);
       choice.offer(index, collector.last(study.metrics.front()));
@@ -114,6 +116,7 @@ Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, c
   std::vector<Trace> traces;
   for (const EpisodeIndex& index : choice.chosen()) traces.push_back(trace_episode(evaluation, *policy, index));
   writer.write(kTracesFile, traces_text(traces));
+  if (not_finite) writer.write(kNotFiniteFile, not_finite_text(*not_finite, study.setup.plant->spec()));
   writer.commit(trial.canonical);
   return {};
 }
@@ -238,7 +241,7 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
     case StudyPolicy::Kind::kOnnx: {
       const StudyPolicy::File& file = policy.files[trial.member];
       return onnx_policy(file.bytes, file.path, study.setup,
-                         {.alpha = policy.alpha, .output = policy.output, .data = &file.data});
+                         {.alpha = policy.alpha, .output = policy.output, .data = &file.data, .interface = policy.interface});
     }
     default:
       break;

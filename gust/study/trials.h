@@ -15,7 +15,8 @@ inline constexpr std::string_view kCurveFile = "curve.csv";
 inline constexpr std::string_view kFailureFile = "failure.txt";  ///< why a training ended without a policy
 inline constexpr std::string_view kRowsFile = "rows.bin";
 inline constexpr std::string_view kTracesFile = "traces.json";
-inline constexpr std::string_view kLevelFile = "level.txt";  ///< failure level that a search found
+inline constexpr std::string_view kNotFiniteFile = "not_finite.txt";  ///< the first action that was NaN or infinite
+inline constexpr std::string_view kLevelFile = "level.txt";           ///< failure level that a search found
 
 /// Runs one trial and puts its outcome into the store; what is there already is only looked at. Trainings go on from
 /// their checkpoint. Throws or returns a failure with its reason; returns `stopped` soon after the token fires.

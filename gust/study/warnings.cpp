@@ -80,6 +80,7 @@ std::vector<std::string> study_warnings(const Study& study) {
   std::vector<std::string> warnings = plant_warnings(study.setup);
   warn_of_windows(study.always, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
+    if (!policy.unit_warning.empty()) warnings.push_back(cat("policy '", policy.name, "': ", policy.unit_warning));
     warn_of_windows(policy.disturbed, cat("policy '", policy.name, "'"), warnings);
     for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));

@@ -17,6 +17,8 @@ OPTIONS = {
 def arguments_of(row):
     """The command line of a row, without the program."""
     yield from ("eval", REFERENCE / f"{row['policy']}.onnx", "--plant", "cartpole", "--preset", row["preset"], "--json")
+    if row["preset"] == "scg-2022":  # whose actions are normalised; the files say nothing of it
+        yield from ("--units", "normalised")
     yield from ("--start", ",".join(row[f"init_{name}"] for name in STATES))
     yield from ("--terminate", "yes" if row["terminate"] == "1" else "no")
     if row["site"] == "params":

@@ -40,7 +40,7 @@ std::size_t broken_rows(const std::string& policy, const Mistake& mistake) {
   for (const ScgRow& row : read_scg_rows(policy)) {
     EvalRequest request = request_of(row);
     if (!mistake(row, request) || std::stod(row.at("spread_return")) > 0.01) continue;
-    broken += difference(row, run_eval(request, bytes).front()).empty() ? 0 : 1;
+    broken += difference(row, run_eval(request, bytes).rows.front()).empty() ? 0 : 1;
   }
   return broken;
 }
@@ -52,7 +52,7 @@ TEST_CASE("all episodes that safe-control-gym ran with its own policies are repr
     REQUIRE(rows.size() == 1208);
 
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const std::vector<EvalRow> got = run_eval(request_of(rows[i]), bytes);
+      const std::vector<EvalRow> got = run_eval(request_of(rows[i]), bytes).rows;
       REQUIRE(got.size() == 1);
       const std::string wrong = difference(rows[i], got.front());
       CHECK_MESSAGE(wrong.empty(), policy << ", line " << i + 2 << ": " << wrong);

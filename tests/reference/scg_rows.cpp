@@ -50,6 +50,7 @@ EvalRequest request_of(const ScgRow& row) {
   request.policy = row.at("policy") + ".onnx";
   request.plant = "cartpole";
   request.preset = row.at("preset");
+  if (request.preset == "scg-2022") request.units = "normalised";
   request.start =
       cat(row.at("init_x"), ",", row.at("init_x_dot"), ",", row.at("init_theta"), ",", row.at("init_theta_dot"));
   request.terminate = row.at("terminate") == "1" ? "yes" : "no";

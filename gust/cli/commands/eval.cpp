@@ -1,6 +1,7 @@
 #include "gust/cli/eval.h"
 
-#include <fmt/format.h>
+#include <algorithm>
+#include <cstdio>
 
 #include "gust/cli/command.h"
 #include "gust/study/files.h"
@@ -15,6 +16,9 @@ constexpr const char* kAbout =
     "then also takes the waveform's options, channels (names), mask (such as 10), start and end (control steps). "
     "--set takes readings (effort, saturate, command_clip, tap_point) and options of the plant as well: the policy "
     "lqr is designed for them. --param changes the plant behind the policy's back: the policy stays what it was.\n\n"
+    "--observe, --act and --units are for files that gust did not make: what the policy sees in its order, with sign, "
+    "unit or scale (TOML, or names with commas between; gust describe plant KIND has the names), and what its actions "
+    "are. They are the keys of a study's onnx policy (docs/study.md).\n\n"
     "With --study, POLICY is a policy of the study by its name, and the rest is the study's too: --sweep and --level "
     "name a cell, and its metrics are the numbers that the study has there, of every seed of the policy.";
 
@@ -24,12 +28,14 @@ constexpr const char* kExamples =
     "  gust eval ppo.onnx --plant cartpole --site dynamics --waveform impulse --level 2 --set mask=10 --set duration=3 "
     "--json\n"
     "  gust eval lqr --plant cartpole --start 0.1,0,0.05,0 --param pole_length=x2 --terminate no --json\n"
+    "  gust eval isaac.onnx --plant cartpole --observe=theta,theta_dot=deg/s,-x,x_dot --units N\n"
     "  gust eval ppo --study demo.gust --sweep 'action step' --level 3 --start random\n\n"
     "JSON: an array, one object an episode: length, failed, return_sum_commanded, return_sum_disturbed, every metric "
     "by its name, initial_state and final_state in the plant's order, and the seed (or file) of a study's policy. "
     "Length, sums, rmse_paper, rmse_scg, rmse_sum and final_state are over the row's steps: up to failure, or with "
     "--terminate no the whole horizon; the other metrics keep their definition (gust list metrics). With --study "
-    "all metrics are the study's.";
+    "all metrics are the study's.\n\n"
+    "Exit code 1: the policy gave NaN or an infinite action.";
 
 void add_options(CLI::App& command, EvalRequest& request) {
   command.add_option("POLICY", request.policy, "FILE.onnx, lqr, pd or zero")->required();
@@ -53,6 +59,13 @@ void add_options(CLI::App& command, EvalRequest& request) {
       ->type_name("KEY=VALUE");
   command.add_option("--param", request.parameters, "a parameter of the plant: 0.6, or x1.5 to scale it")
       ->type_name("NAME=VALUE");
+  command
+      .add_option("--observe", request.observe,
+                  "what a file's policy sees, in its order: --observe=theta,-theta_dot,x=cm")
+      ->type_name("LIST");
+  command.add_option("--act", request.act, "what its actions are: '{ unit = \"N\", scale = -1 }'")->type_name("TABLE");
+  command.add_option("--units", request.units, "the unit of its actions: normalised, or the plant's, such as N")
+      ->type_name("UNIT");
   command.add_option("--terminate", request.terminate, "yes or no: whether failure ends the episode")
       ->capture_default_str()
       ->type_name("WORD");
@@ -72,22 +85,31 @@ void check_options(const CLI::App& command, const EvalRequest& request) {
     if (!request.sweep.empty()) throw Error("--sweep: needs the --study that it belongs to");
     return;
   }
-  for (const char* name :
-       {"--plant", "--preset", "--output", "--site", "--waveform", "--set", "--param", "--terminate", "--seed"}) {
+  for (const char* name : {"--plant", "--preset", "--output", "--site", "--waveform", "--set", "--param", "--observe",
+                           "--act", "--units", "--terminate", "--seed"}) {
     if (command.get_option(name)->count() > 0) throw Error(cat(name, ": comes from the study; leave it out"));
   }
 }
 
-std::vector<EvalRow> rows_of(const EvalRequest& request) {
-  if (!request.study.empty()) return run_cell(request);
+EvalResult result_of(const EvalRequest& request) {
+  if (!request.study.empty()) return {run_cell(request)};
   if (!request.has_file()) return run_eval(request, {});
   const std::string bytes = read_file(request.policy);
   return run_eval(request, bytes, read_onnx_data(request.policy, bytes));
 }
 
+/// What the user should know of the policy, after the numbers. A policy that gave NaN has failed.
+int tell_notes(const EvalResult& result, const std::string& policy) {
+  for (const std::string& note : result.notes) tell(cat("warning: ", note));
+  const auto row = std::ranges::find_if(result.rows, [](const EvalRow& row) { return !row.not_finite.empty(); });
+  if (row == result.rows.end()) return kDone;
+  tell(cat(policy, ": episode ", row->episode, ": ", row->not_finite));
+  return kTrialFailed;
+}
+
 }  // namespace
 
-void command_eval(CLI::App& app, int&) {
+void command_eval(CLI::App& app, int& exit_code) {
   struct Options {
     EvalRequest request;
     bool json = false;
@@ -98,10 +120,12 @@ void command_eval(CLI::App& app, int&) {
   command->footer(kExamples);
   add_options(*command, options->request);
   command->add_flag("--json", options->json, "print one JSON array, one object an episode");
-  command->callback([options, command] {
+  command->callback([options, command, &exit_code] {
     check_options(*command, options->request);
-    const std::vector<EvalRow> rows = rows_of(options->request);
-    fmt::print("{}", options->json ? eval_json(rows) : eval_table(rows));
+    const EvalResult result = result_of(options->request);
+    print_lines(options->json ? eval_json(result.rows) : eval_table(result.rows));
+    std::fflush(stdout);
+    exit_code = tell_notes(result, options->request.policy);
   });
 }
 

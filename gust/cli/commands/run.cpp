@@ -44,6 +44,7 @@ int run(const Options& options) {
     return signals.exit_code();
   }
   const Summary summary = summarise(study, outcome.plan, store, threads);
+  for (const std::string& note : summary.notes) tell(cat("warning: ", note));
   std::string report;
   try {
     report = write_report(folder, study, summary, warnings);

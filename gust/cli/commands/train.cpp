@@ -37,7 +37,7 @@ int train(const TrainRequest& request) {
     tell(cat("the training failed after ", run.steps(), " steps: ", run.failure()));
     return kTrialFailed;
   }
-  tell(fmt::format("{} steps; return / horizon {:.4f} in the last evaluation", run.steps(), run.last_score()));
+  tell(format("{} steps; return / horizon {:.4f} in the last evaluation", run.steps(), run.last_score()));
   print_lines(cat(request.out, "\n"));
   return kDone;
 }

@@ -43,7 +43,7 @@ Recording load_recording(const std::string& file) {
   return read_recording({description, file}, {records, csv.string()});
 }
 
-std::string error_text(double error) { return error == 0 ? "0" : fmt::format("{:.1e}", error); }
+std::string error_text(double error) { return error == 0 ? "0" : format("{:.1e}", error); }
 
 /// One cell a state.
 std::string state_cells(const std::vector<WorstError>& errors, const PlantSpec& spec) {
