@@ -19,7 +19,9 @@ std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, c
 struct PolicyUse {
   Arithmetic arithmetic = Arithmetic::kDouble;
   std::optional<double> alpha = {};  ///< the risk level to act at; the file's own if none
-  std::string output = {  PolicyInterface interface = {};    ///< how it sees and acts, if not as gust does
+  std::string output = {};           ///< the output of the file that is the action; empty: read_onnx finds it
+  const OnnxData* data = nullptr;    ///< the files beside it that hold its weights, if any do
+  PolicyInterface interface = {};    ///< how it sees and acts, if not as gust does
 };
 
 /// A policy from a file, and what the file leaves open.
