@@ -164,12 +164,12 @@ FilePolicy prepare_policy(const EvalRequest& request, const Setup& setup, std::s
 }
 
 /// The hint if most episodes, which nothing disturbs, end within a second.
-std::string failure_note(const std::vector<EvalRow>& rows, const PlantSpec& spec) {
+std::string failure_note(const std::string& policy, const std::vector<EvalRow>& rows, const PlantSpec& spec) {
   const auto early = std::ranges::count_if(rows, [&](const EvalRow& row) {
     return row.failed && row.not_finite.empty() && row.metrics[MetricSet().index("time_to_failure", {})] <= kAtOnce;
   });
   const std::string failure = failure_hint_text(static_cast<std::size_t>(early), rows.size());
-  return failure.empty() ? failure : failure + interface_hint(spec);
+  return failure.empty() ? failure : cat(policy, ": ", failure, interface_hint(spec));
 }
 
 /// The metrics of a row. Those that sum over an episode's steps sum over the row's; the others keep their definition.
@@ -229,7 +229,7 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, c
   });
   result.notes.push_back(file.unit_warning);
   const bool undisturbed = prepared.injections.empty() && request.parameters.empty();
-  if (file.foreign && undisturbed) result.notes.push_back(failure_note(rows, spec));
+  if (file.foreign && undisturbed) result.notes.push_back(failure_note(request.policy, rows, spec));
   std::erase(result.notes, "");
   return result;
 }

@@ -97,7 +97,7 @@ def test_foreign_policy_that_fails_at_once_gets_a_hint(gust, tmp_path):
 
     assert done.stderr.count("fails within a second in 5 of 5 undisturbed episodes") == 1
     assert "x [m], x_dot [m/s], theta [rad], theta_dot [rad/s]" in done.stderr
-    assert gust("eval", "zero", *RANDOM, "--start", "0,0,0.19,5").stderr == ""  # gust's own
+    assert gust("eval", "zero", "--plant", "cartpole", "--start", "0,0,0.19,5").stderr == ""  # gust's own
 
 
 @pytest.mark.parametrize("options, wanted", [
