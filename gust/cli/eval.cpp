@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "gust/cli/settings.h"
+#include "gust/cli/text_output.h"
 #include "gust/study/parse.h"
 #include "gust/study/policies.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -174,6 +176,7 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
 
 std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes) {
   const Prepared prepared = prepare(request);
+  for (const std::string& warning : plant_warnings(prepared.setup)) tell(cat("warning: ", warning));
   const std::unique_ptr<Policy> policy = request.has_file() ? onnx_policy(policy_bytes, request.policy, prepared.setup)
                                                             : make_policy(request.policy, prepared.setup, {"POLICY"});
   const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
