@@ -64,7 +64,8 @@ inline double measure_peak() {
   const int runs = once() ? 1 : 600;
   volatile float keep = 0.0f;
   const double time = shortest(runs, [&] { keep = wide ? multiply_add_512(rounds) : multiply_add_256(rounds); });
-  const double time_256 = shortest(runs, [&] { keep = multiply_add_256(rounds); });  // some clock higher without AVX-512
+  const double time_256 =
+      shortest(runs, [&] { keep = multiply_add_256(rounds); });  // some clock higher without AVX-512
   const double per_lane = 2.0 * kChains * static_cast<double>(rounds);
   const double narrow = 8 * per_lane / time_256;
   return wide ? std::max(16 * per_lane / time, narrow) : narrow;

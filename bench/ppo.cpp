@@ -16,8 +16,7 @@ constexpr double kMinibatchesPerStep = 60.0 / 400;
 void train(benchmark::State& state, const char* kind, double minibatches) {
   const Made<Plant> plant = plants().make({{{"kind", Value{std::string("cartpole"), {}}}}, {}});
   const std::int64_t length = bench::once() ? std::int64_t{2000} : state.range(0);
-  const Made<Agent> agent =
-      agents().make({{{"kind", Value{std::string(kind), {}}}, {"steps", Value{length, {}}}}, {}});
+  const Made<Agent> agent = agents().make({{{"kind", Value{std::string(kind), {}}}, {"steps", Value{length, {}}}}, {}});
   double best = 1e300;
   double score = 0.0;
   for (auto _ : state) {
