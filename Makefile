@@ -1,5 +1,6 @@
 # Thin names over the CMake presets; `make help` lists them.
 RELEASE := build/release
+CHECK := build/check
 JOBS ?= $(shell nproc)
 VERBOSE_CTEST := --output-on-failure --no-tests=error
 
@@ -8,27 +9,27 @@ VERBOSE_CTEST := --output-on-failure --no-tests=error
 
 release: ## Build the program: build/release/gust
 	scripts/install-deps build
-	cmake --preset release -D BUILD_TESTING=OFF -D GUST_FULL_CHECK=OFF
+	cmake --preset release -D BUILD_TESTING=OFF -D GUST_FULL_CHECK=OFF -D GUST_WERROR=OFF
 	cmake --build --preset release
 
 demo: release ## Run the demo studies: train, disturb, measure; prints the margins and where the pages lie
 	$(RELEASE)/gust run studies/demo-quadrotor.toml --out build/demo-quadrotor.gust
 	$(RELEASE)/gust run studies/demo.toml --out build/demo.gust
 
-check: build-tests build-sanitized ## Install, build and run every test, also under sanitizers, and a minute of each fuzz target
-	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST)
+check: build-tests build-sanitized ## Install, build and run every test, also under sanitizers, each benchmark once, and a minute of each fuzz target
+	ctest --test-dir $(CHECK) -j $(JOBS) $(VERBOSE_CTEST)
 
 test: build-tests ## The same without sanitizers and fuzz targets
-	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -LE 'sanitizers|fuzz'
+	ctest --test-dir $(CHECK) -j $(JOBS) $(VERBOSE_CTEST) -LE 'sanitizers|fuzz'
 
 sanitize: build-tests build-sanitized ## Those alone
-	ctest --test-dir $(RELEASE) -j $(JOBS) $(VERBOSE_CTEST) -L 'sanitizers|fuzz'
+	ctest --test-dir $(CHECK) -j $(JOBS) $(VERBOSE_CTEST) -L 'sanitizers|fuzz'
 
 build-tests:
 	scripts/install-deps check
 	scripts/make-venv
-	cmake --preset release -D BUILD_TESTING=ON -D GUST_FULL_CHECK=ON
-	cmake --build --preset release
+	cmake --preset check
+	cmake --build --preset check
 
 build-sanitized:
 	cmake --preset asan

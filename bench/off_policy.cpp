@@ -12,8 +12,6 @@ using namespace gust;
 
 namespace {
 
-constexpr int kBursts = 100;
-
 /// The processor's time of this thread [s]: what others do on the machine meanwhile does not count.
 double thread_time() {
   timespec now;
@@ -26,10 +24,11 @@ void updates(benchmark::State& state, const char* kind, std::int64_t batch, doub
   const Made<Agent> agent = agents().make(
       {{{"kind", {std::string(kind), {}}}, {"batch", {batch, {}}}, {"burst", {std::int64_t{20}, {}}}}, {}});
   const std::unique_ptr<Training> training = agent->start({plant.object.get(), {}, {}, 1});
+  const int bursts = bench::once() ? 1 : 100;
   training->advance();  // the warm-up and the first burst
   double best = 1e300;
   for (auto _ : state) {
-    for (int burst = 0; burst < kBursts; ++burst) {
+    for (int burst = 0; burst < bursts; ++burst) {
       const std::int64_t before = training->steps();
       const double start = thread_time();
       training->advance();
@@ -45,3 +44,5 @@ BENCHMARK_CAPTURE(updates, sac_64, "sac", 64, 137e6)->Iterations(1)->Unit(benchm
 BENCHMARK_CAPTURE(updates, sac_256, "sac", 256, 546e6)->Iterations(1)->Unit(benchmark::kSecond);
 BENCHMARK_CAPTURE(updates, wcpg_64, "wcpg", 64, 138e6)->Iterations(1)->Unit(benchmark::kSecond);
 BENCHMARK_CAPTURE(updates, raac_64, "raac", 64, 446e6)->Iterations(1)->Unit(benchmark::kSecond);
+
+}  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 
 // The most that one core can do: fused multiply-adds in float, 2 FLOP each, with the widest registers that it has.
 // Twelve independent chains hide the latency of every core that we know (two units, four to five cycles).
@@ -40,6 +41,9 @@ inline float multiply_add_256(long rounds) {
   return total;
 }
 
+/// Whether the programs are only to show that they run: with loads so small that their figures mean nothing.
+inline bool once() { return std::getenv("GUST_BENCH_ONCE") != nullptr; }
+
 /// The shortest time of some runs of f [s]: what the core does when nothing else disturbs it.
 template <class F>
 double shortest(int runs, F&& f) {
@@ -57,9 +61,11 @@ double shortest(int runs, F&& f) {
 inline double measure_peak() {
   const bool wide = __builtin_cpu_supports("avx512f");
   const long rounds = 20'000;
+  const int runs = once() ? 1 : 600;
   volatile float keep = 0.0f;
-  const double time = shortest(600, [&] { keep = wide ? multiply_add_512(rounds) : multiply_add_256(rounds); });
-  const double time_256 = shortest(600, [&] { keep = multiply_add_256(rounds); });  // some clock higher without AVX-512
+  const double time = shortest(runs, [&] { keep = wide ? multiply_add_512(rounds) : multiply_add_256(rounds); });
+  const double time_256 =
+      shortest(runs, [&] { keep = multiply_add_256(rounds); });  // some clock higher without AVX-512
   const double per_lane = 2.0 * kChains * static_cast<double>(rounds);
   const double narrow = 8 * per_lane / time_256;
   return wide ? std::max(16 * per_lane / time, narrow) : narrow;

@@ -34,6 +34,16 @@ foreach(source ${fuzzers})
   gust_check("${target} survives a minute" LABEL fuzz SECONDS 180 COMMAND scripts/fuzz-one 60 ${target})
 endforeach()
 
+# GUST_BENCH_ONCE makes the loads of those that take minutes small; 0 s are one iteration.
+file(GLOB benchmarks RELATIVE ${PROJECT_SOURCE_DIR}/bench CONFIGURE_DEPENDS bench/*.cpp)
+foreach(source ${benchmarks})
+  get_filename_component(stem ${source} NAME_WE)
+  if(TARGET bench_${stem})
+    gust_check("bench/${stem} runs for one iteration" LABEL bench SECONDS 120
+               COMMAND ${CMAKE_COMMAND} -E env GUST_BENCH_ONCE=1 $<TARGET_FILE:bench_${stem}> --benchmark_min_time=0)
+  endif()
+endforeach()
+
 file(GLOB scripts RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS tests/*/test_*.py)
 foreach(script ${scripts})
   string(REGEX REPLACE "^tests/([^/]+)/.*" "\\1" label ${script})

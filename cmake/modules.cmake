@@ -69,13 +69,18 @@ function(gust_test_suite name)
   gust_test(${name}_test LABEL ${name} SOURCES ${sources} USES gust_cli)
 endfunction()
 
-# gust_benchmarks(): one program for each bench/*.cpp, in BUILD/bench; built by the target `benchmarks` only.
+# gust_benchmarks(): one program for each bench/*.cpp, in BUILD/bench; built by the target `benchmarks`, and by all in a full
+# check, which runs each for one iteration.
 function(gust_benchmarks)
   find_package(benchmark QUIET)
   if(NOT benchmark_FOUND)
     return()
   endif()
-  add_custom_target(benchmarks)
+  set(in_all "")
+  if(GUST_FULL_CHECK)
+    set(in_all ALL)
+  endif()
+  add_custom_target(benchmarks ${in_all})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/bench/*.cpp)
   foreach(source ${sources})
     get_filename_component(stem ${source} NAME_WE)

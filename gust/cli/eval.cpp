@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include "gust/cli/settings.h"
+#include "gust/cli/text_output.h"
 #include "gust/study/parse.h"
 #include "gust/study/policies.h"
 #include "gust/study/policy_notes.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -211,6 +213,7 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
 
 EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data) {
   const Prepared prepared = prepare(request);
+  for (const std::string& warning : plant_warnings(prepared.setup)) tell(cat("warning: ", warning));
   const FilePolicy file = prepare_policy(request, prepared.setup, policy_bytes, data);
   const PlantSpec& spec = prepared.setup.plant->spec();
   const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),

@@ -54,6 +54,7 @@ Settings read_settings(const TrainRequest& request) {
 TrainingRun::TrainingRun(const TrainRequest& request)
     : out_(request.out), checkpoint_(request.out + ".checkpoint"), seed_(request.seed) {
   if (!out_.ends_with(".onnx")) throw Error(cat("--out: '", out_, "' must end in .onnx"));
+  check_folder_of(out_, "--out");
   if (is_stream(out_)) throw Error(cat("--out: '", out_, "' is no regular file; choose another"));
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);

@@ -27,7 +27,7 @@ class CascadePolicy final : public Policy {
       double wanted = 0;
       for (Eigen::Index j = 0; j < error.size(); ++j) wanted += cascade_.outer[static_cast<std::size_t>(j)] * error[j];
       error[angle_] += clip(wanted, -cascade_.limit, cascade_.limit);
-      const Eigen::VectorXd physical = knot.action + cascade_.inner * error;
+      const Eigen::VectorXd physical = cascade_.rest + cascade_.inner * error;
       for (std::size_t i = 0; i < scale_.size(); ++i)
         action.at(i, lane) = (physical[static_cast<Eigen::Index>(i)] - offset_[i]) / scale_[i];
     }

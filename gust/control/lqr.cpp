@@ -56,16 +56,30 @@ void rest(const PlantSpec& spec, std::vector<double>& state) {
   }
 }
 
-bool settles(const Eigen::MatrixXd& loop) { return loop.allFinite() && loop.eigenvalues().cwiseAbs().maxCoeff() < 1.0; }
+/// Throws Error for a closed loop of which a part does not come to rest within about 1e9 steps, with the state that
+/// this part moves most.
+void check_settled(const Eigen::MatrixXd& loop, std::span<const Component> states) {
+  constexpr double kNearestToOne = 1e-9;
+  const std::string failed = "lqr: the Riccati equation has no stabilising solution";
+  if (!loop.allFinite()) throw Error(cat(failed, "; weight the states that the action can reach"));
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(loop);
+  Eigen::Index slowest = 0, state = 0;
+  const double modulus = solver.eigenvalues().cwiseAbs().maxCoeff(&slowest);
+  if (modulus < 1.0 - kNearestToOne) return;
+  solver.eigenvectors().col(slowest).cwiseAbs().maxCoeff(&state);
+  const auto index = static_cast<std::size_t>(state);
+  const std::string name = index < states.size() ? states[index].name : cat("state ", index);
+  throw Error(cat(failed, ": it does not bring ", name, " to rest (an eigenvalue of modulus ",
+                  modulus < 1.0 ? cat("1 - ", fmt::format("{:.2g}", 1.0 - modulus)) : fmt::format("{:.6g}", modulus),
+                  "); give ", name, " a weight, and weight the states that the action can reach"));
+}
 
-}  // namespace
-
-Eigen::MatrixXd solve_riccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const LqrWeights& weights) {
+Eigen::MatrixXd solve(const Linearisation& model, const LqrWeights& weights, std::span<const Component> states) {
   constexpr int kMostDoublings = 60;
-  const Eigen::Index n = a.rows();
+  const Eigen::Index n = model.a.rows();
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
-  Eigen::MatrixXd power = a;
-  Eigen::MatrixXd control = b * diagonal(weights.r).inverse() * b.transpose();
+  Eigen::MatrixXd power = model.a;
+  Eigen::MatrixXd control = model.b * diagonal(weights.r).inverse() * model.b.transpose();
   Eigen::MatrixXd cost = diagonal(weights.q);
   for (int i = 0; i < kMostDoublings; ++i) {
     const Eigen::MatrixXd inverse = (identity + control * cost).inverse();
@@ -78,10 +92,14 @@ Eigen::MatrixXd solve_riccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b
     if (change.norm() <= 1e-15 * cost.norm()) break;
   }
   const Eigen::MatrixXd solution = 0.5 * (cost + cost.transpose());
-  if (!solution.allFinite() || !settles(a - b * gain_of(a, b, solution, weights))) {
-    throw Error("lqr: the Riccati equation has no stabilising solution; weight the states that the action can reach");
-  }
+  check_settled(model.a - model.b * gain_of(model.a, model.b, solution, weights), states);
   return solution;
+}
+
+}  // namespace
+
+Eigen::MatrixXd solve_riccati(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const LqrWeights& weights) {
+  return solve({a, b}, weights, {});
 }
 
 Eigen::MatrixXd lqr_gain(const Plant& plant, const LqrWeights& weights) {
@@ -91,7 +109,7 @@ Eigen::MatrixXd lqr_gain(const Plant& plant, const LqrWeights& weights) {
   plant.reference(0, goal);
   if (spec.references > 1) rest(spec, goal);
   const Linearisation model = plant.linearise(goal, spec.action_goal);
-  return gain_of(model.a, model.b, solve_riccati(model.a, model.b, weights), weights);
+  return gain_of(model.a, model.b, solve(model, weights, spec.state), weights);
 }
 
 LqrWeights reward_weights(const PlantSpec& spec) {

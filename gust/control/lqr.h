@@ -12,7 +12,8 @@ struct LqrWeights {
 };
 
 /// The infinite-horizon discrete gain K of u = u* - K (x - x*), actions x states, from the plant's exact
-/// linearisation at rest where its reference begins. Throws Error if no stabilising solution is found.
+/// linearisation at rest where its reference begins. Throws Error if no stabilising solution is found, with the state
+/// that stays unstabilised: one whose part of the closed loop has an eigenvalue within 1e-9 of modulus 1, or above.
 Eigen::MatrixXd lqr_gain(const Plant& plant, const LqrWeights& weights);
 
 /// Solves the discrete algebraic Riccati equation by the structure-preserving doubling algorithm (Chu, Fan, Lin 2005).

@@ -111,6 +111,27 @@ TEST_CASE("a system that no feedback can settle is an error, not a gain") {
   CHECK_THROWS_AS(solve_riccati(a, b, {{1, 1}, {1}}), Error);
 }
 
+TEST_CASE("weights that leave a state unstabilised are refused with its name") {
+  const Made<Plant> plant = standard_cartpole();
+  const auto error = [&](std::vector<double> q) -> std::string {
+    try {
+      lqr_gain(*plant, {std::move(q), {1e-4}});
+    } catch (const Error& refused) {
+      return refused.what();
+    }
+    return {};
+  };
+
+  // Without a weight the position is a sum of velocities that nothing brings back: an eigenvalue of 1.
+  CHECK(error({0, 0.1, 1, 0.1}).find("it does not bring x to rest (an eigenvalue of modulus 1") != std::string::npos);
+  CHECK(error({0, 0, 1, 0.1}).find("does not bring x") != std::string::npos);
+  CHECK(error({1e-30, 0.1, 1, 0.1}).find("give x a weight") != std::string::npos);  // it would take years
+  CHECK(error({1e-9, 0, 0, 0}).empty());
+  CHECK(error({5, 0.1, 1, 0.1}).empty());
+  const Made<Plant> drone = plants().at("quadrotor").make(Table{{}, {"test"}});
+  CHECK_THROWS_WITH_AS(lqr_gain(*drone, {{1, 1, 0, 1, 1, 1}, {1, 1}}), doctest::Contains("bring z to rest"), Error);
+}
+
 TEST_CASE("feedback acts on the distance to the goal, in the policy's own unit") {
   Table options{{{"goal", Value{Value::List{{0.5, {}}, {0.0, {}}, {0.0, {}}, {0.0, {}}}, {}}}}, {"test"}};
   const Made<Plant> normalised = plants().at("cartpole").make(options);

@@ -17,15 +17,19 @@ struct CsvColumn {
   std::function<std::string(double value, std::size_t record)> wrong = {};
 };
 
-/// The text of a CSV file: one header line, then one record a line; cells are separated by commas, not quoted.
+/// The text of a CSV file in UTF-8: one header line, then one record a line; cells are separated by commas, and may be
+/// quoted or have blanks around them.
 struct CsvText {
   std::string_view bytes;
   std::string name;
 };
 
+/// The names of a file's columns. Throws Error for another encoding or separator, and for a file of more than 64 MiB.
+std::vector<std::string> csv_header(const CsvText& text);
+
 /// Reads the columns as finite numbers: columns x records. Other columns may hold anything. Throws Error for a column
 /// that is missing or there twice, a record with more or fewer cells than the header, a cell that is no finite number
-/// or wrong, and a file that has not as many records as asked for or more than 64 MiB.
+/// or wrong, a file that has not as many records as asked for, and whatever csv_header refuses.
 Matrix<double> read_csv(const CsvText& text, const std::vector<CsvColumn>& columns, std::size_t records);
 
 }  // namespace gust

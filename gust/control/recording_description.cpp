@@ -19,24 +19,26 @@ constexpr Meaning kKeys[] = {
     {"steps", "control steps; the CSV file has one record more, the reset"},
     {"gravity", "[m/s^2]"},
     {"plant_params", "the plant's parameters by name (gust describe plant cartpole)"},
-    {"goal", "state to hold, one number a state"},
+    {"action_bounds", "[[lowest], [highest]] that the actuators give, one number each [N]"},
+};
+constexpr Meaning kJudgedKeys[] = {
+    {"goal", "state to hold, one number a state; of reward, sq_err, done and the policies lqr and pd"},
     {"goal_tolerance", "done when |state - goal| is below this; 0 for never"},
     {"normalized_action", "true if a_raw is in [-1, 1], false if it is physical"},
-    {"action_bounds", "[[lowest], [highest]] that the actuators give, one number each [N]"},
-    {"policy",
-     "{\"type\": \"lqr\"} is run in closed loop and needs lqr_gain, \"pd\" pd_gains; others are an open loop"},
     {"rew_state_weight", "w of the reward exp(-sum w e^2 - w_u u^2), one number or one a state"},
-    {"rew_act_weight", "w_u of the reward, which charges a_noisy"},
+    {"rew_act_weight", "w_u of the reward, which charges a_noisy from u_goal"},
     {"rew_exponential", "true; false if the column reward holds -sum w e^2 - w_u u^2"},
     {"sq_err_weights", "v of sq_err = sum (v e)^2, one number a state"},
 };
 constexpr Meaning kOptionalKeys[] = {
     {"name", "what the output calls it; else the name of the file"},
-    {"lqr_gain", "K of u = -K (observation - goal), one number a state"},
+    {"policy",
+     "{\"type\": \"lqr\"} is run in closed loop and needs lqr_gain, \"pd\" pd_gains; others are an open loop"},
+    {"lqr_gain", "K of u = u_goal - K (observation - goal), one number a state"},
     {"init_state", "must then equal record 0"},
-    {"pd_gains", "of the quadrotor's cascade: kx, kdx, th_max, kz, kdz, kth, kq, M, Iyy, arm"},
+    {"pd_gains", "of the quadrotor's cascade: kx, kdx, th_max, kz, kdz, kth, kq; M, Iyy, arm that it believes in"},
     {"task", "\"stabilization\"; for the quadrotor also \"traj_tracking\", its default circle"},
-    {"u_goal", "must then be the plant's: [0] for the cart-pole, its weight for the quadrotor"},
+    {"u_goal", "of reward and lqr, physical; else the plant's: 0 for the cart-pole, its weight for the quadrotor"},
 };
 
 /// The value of a key that must be there.
@@ -44,9 +46,10 @@ const Value& need(const Table& table, std::string_view key) {
   if (const Value* value = table.find(key)) return *value;
   std::vector<std::string> strange = table.keys();
   std::erase_if(strange, [](const std::string& name) {
-    const auto same = [&](const Meaning& known) { return known.name == name; };
-    return std::any_of(std::begin(kKeys), std::end(kKeys), same) ||
-           std::any_of(std::begin(kOptionalKeys), std::end(kOptionalKeys), same);
+    const auto has = [&](std::span<const Meaning> keys) {
+      return std::ranges::find(keys, name, &Meaning::name) != keys.end();
+    };
+    return has(kKeys) || has(kJudgedKeys) || has(kOptionalKeys);
   });
   const std::string meant = nearest(key, strange);
   throw error_at(table.place, "'", key, "' is missing",
@@ -167,7 +170,7 @@ void set_parameters(Table& options, const Table& description, const Dialect& dia
 }
 
 /// A goal to hold, or the plant's own trajectory with the next reference in the observation.
-void set_task(Table& options, const Table& description, const PlantSpec& spec) {
+void set_task(Table& options, const Table& description, const PlantSpec& spec, bool needed) {
   const Value* task = description.find("task");
   const bool choice = spec.references > 1;  // a plant that tracks by default can do either
   if (task != nullptr && choice && task->as_text("task") == "traj_tracking") {
@@ -178,14 +181,26 @@ void set_task(Table& options, const Table& description, const PlantSpec& spec) {
     throw error_at(task->place, "'task' must be \"stabilization\"", choice ? " or \"traj_tracking\"" : "", ", got '",
                    task->as_text("task"), "'");
   }
-  options.set("goal", list_value(description, "goal", spec.state.size()));
+  if (needed || description.contains("goal")) options.set("goal", list_value(description, "goal", spec.state.size()));
   if (!choice) return;
   options.set("task", {std::string("stabilise"), description.place});
   options.set("horizon", {std::int64_t{0}, description.place});
 }
 
+/// The kind of the controller that acted; empty where it is not told.
+std::string policy_of(const Table& description) {
+  const Value* policy = description.find("policy");
+  return policy == nullptr ? "" : need(policy->as_table("policy"), "type").as_text("type");
+}
+
+bool needs_goal(const Recording& recording) {
+  const auto has = [&](std::string_view column) { return recording.has(column); };
+  return recording.policy == "lqr" || recording.policy == "pd" || has("reward") || has("sq_err") || has("done") ||
+         has("timelimit");
+}
+
 /// The plant as the file describes it.
-Made<Plant> make_plant(const Table& description) {
+Made<Plant> make_plant(const Table& description, const Recording& recording) {
   const Dialect dialect = dialect_of(description);
   const Entry<Plant>& kind = plants().at(dialect.kind);
   const Made<Plant> standard = kind.make(Table{{}, description.place});
@@ -193,25 +208,19 @@ Made<Plant> make_plant(const Table& description) {
   Table options{{}, description.place};
   set_rates(options, description);
   options.set("gravity", number_value(description, "gravity", non_negative));
-  set_task(options, description, spec);
-  const Value& normalized = need(description, "normalized_action");
-  options.set("normalized_action", {normalized.as_bool("normalized_action"), normalized.place});
+  set_task(options, description, spec, needs_goal(recording));
+  if (recording.has("a_raw") || description.contains("normalized_action")) {
+    const Value& normalized = need(description, "normalized_action");
+    options.set("normalized_action", {normalized.as_bool("normalized_action"), normalized.place});
+  }
   set_bounds(options, description, spec);
-  options.set("state_weights", spread_value(description, "rew_state_weight", spec.state.size()));
-  options.set("action_weight", spread_value(description, "rew_act_weight", 1).as_list("").front());
+  if (recording.has("reward")) {
+    options.set("state_weights", spread_value(description, "rew_state_weight", spec.state.size()));
+    options.set("action_weight", spread_value(description, "rew_act_weight", 1).as_list("").front());
+  }
   if (spec.contact) options.set("artefacts", {std::string("scg"), description.place});
   set_parameters(options, description, dialect, spec);
   return kind.make(options);
-}
-
-void check_action_goal(const Table& description, const PlantSpec& spec) {
-  if (!description.contains("u_goal")) return;
-  const Value u_goal = list_value(description, "u_goal", spec.action.size());
-  const std::vector<double> given = u_goal.as_numbers("u_goal");
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    if (std::abs(given[i] - spec.action_goal[i]) > 1e-12)
-      throw error_at(u_goal.place, "'u_goal' must be ", canonical_text(spec.action_goal));
-  }
 }
 
 /// Row by row, as a flat list.
@@ -227,15 +236,20 @@ Eigen::MatrixXd read_gain(const Table& description, const PlantSpec& spec) {
   return gain;
 }
 
-/// The gains of the reference simulator's controller of the quadrotor. Its recordings obey
+/// The reference simulator's controller of the quadrotor, with the mass, inertia, arm and gravity that it believes in,
+/// whatever the plant's are. Its recordings obey
 ///   th_d = clip(6 kx (x_r - x) + 3 kdx (x_r' - x'), ±th_max)      thrust = M (g + 2 kz (z_r - z) + kdz (z_r' - z'))
 ///   moment = I (kth (th_d - th) - kq th')
 /// to rounding error: the factors 6, 3 and 2 are measured, the names alone do not tell them.
 Cascade read_cascade(const Table& description, const PlantSpec& spec) {
   const Table& gains = need(description, "pd_gains").as_table("pd_gains");
   const auto gain = [&](std::string_view name) { return number_value(gains, name, anything).as_number(""); };
-  Cascade cascade{{6.0 * gain("kx"), 3.0 * gain("kdx"), 0, 0, 0, 0}, gain("th_max"), Eigen::MatrixXd(2, 6)};
+  Cascade cascade{
+      {6.0 * gain("kx"), 3.0 * gain("kdx"), 0, 0, 0, 0}, gain("th_max"), Eigen::MatrixXd(2, 6), Eigen::VectorXd(2)};
   const double lift = gain("M") / 2.0;
+  const double gravity =
+      gains.contains("gravity") ? gain("gravity") : number_value(description, "gravity", anything).as_number("");
+  cascade.rest.setConstant(gain("M") * gravity / 2.0);
   const double twist = gain("Iyy") / (2.0 * number_value(gains, "arm", positive).as_number(""));
   const double up = 2.0 * gain("kz") * lift, up_rate = gain("kdz") * lift;
   const double turn = gain("kth") * twist, turn_rate = gain("kq") * twist;
@@ -255,24 +269,30 @@ std::string stem(const std::string& name) {
 }  // namespace
 
 std::span<const Meaning> recording_keys() { return kKeys; }
+std::span<const Meaning> judged_recording_keys() { return kJudgedKeys; }
 std::span<const Meaning> optional_recording_keys() { return kOptionalKeys; }
 
-Recording read_description(const NamedBytes& file) {
+Recording read_description(const NamedBytes& file, std::vector<std::string> columns) {
   const Table description = read_json_table(file.bytes, file.name);
   Recording recording;
-  recording.plant = make_plant(description);
+  recording.columns = std::move(columns);
+  recording.policy = policy_of(description);
+  recording.plant = make_plant(description, recording);
   const PlantSpec& spec = recording.plant->spec();
   const std::size_t states = spec.state.size();
-  check_action_goal(description, spec);
   const Value* name = description.find("name");
   recording.name = name ? name->as_text("name") : stem(file.name);
-  const Value& policy = need(description, "policy");
-  recording.policy = need(policy.as_table("policy"), "type").as_text("type");
+  recording.action_goal = description.contains("u_goal")
+                              ? list_value(description, "u_goal", spec.action.size()).as_numbers("")
+                              : spec.action_goal;
   if (recording.policy == "lqr") recording.gain = read_gain(description, spec);
   if (recording.policy == "pd" && spec.cascade) recording.cascade = read_cascade(description, spec);
-  recording.goal_tolerance = number_value(description, "goal_tolerance", non_negative).as_number("");
-  recording.exponential_reward = need(description, "rew_exponential").as_bool("rew_exponential");
-  recording.error_weights = list_value(description, "sq_err_weights", states).as_numbers("");
+  if (recording.has("done") || recording.has("timelimit"))
+    recording.goal_tolerance = number_value(description, "goal_tolerance", non_negative).as_number("");
+  if (recording.has("reward"))
+    recording.exponential_reward = need(description, "rew_exponential").as_bool("rew_exponential");
+  if (recording.has("sq_err"))
+    recording.error_weights = list_value(description, "sq_err_weights", states).as_numbers("");
   if (description.contains("init_state")) {
     const std::vector<double> start = list_value(description, "init_state", states).as_numbers("");
     recording.state = Matrix<double>(states, 1);

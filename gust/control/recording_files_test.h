@@ -2,13 +2,16 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <string>
 #include <vector>
 
 #include "gust/control/recording.h"
+#include "gust/core/text.h"
 
 namespace gust {
 
@@ -30,8 +33,34 @@ inline std::string file_text(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-inline RecordingText recording_text(const std::string& name) {
-  return {file_text(recordings_folder() / (name + ".json")), file_text(recordings_folder() / (name + ".csv"))};
+inline RecordingText recording_text(const std::string& name,
+                                    const std::filesystem::path& folder = recordings_folder()) {
+  return {file_text(folder / (name + ".json")), file_text(folder / (name + ".csv"))};
+}
+
+/// A CSV text without a column; quotes are not looked at.
+inline std::string without_column(const std::string& csv, const std::string& name) {
+  const std::vector<std::string> header = split_text(csv.substr(0, csv.find('\n')), ',');
+  const auto at = std::ranges::find(header, name);
+  REQUIRE_MESSAGE(at != header.end(), name);
+  std::string text;
+  std::ptrdiff_t column = 0;
+  std::string kept;
+  for (const char letter : csv) {
+    const bool end = letter == '\n';
+    if (column != at - header.begin() && !end && letter != ',') kept += letter;
+    if (!end && letter != ',') continue;
+    if (column != at - header.begin()) text += (text.empty() || text.back() == '\n' ? "" : ",") + kept;
+    kept.clear();
+    column = end ? 0 : column + 1;
+    if (end) text += '\n';
+  }
+  return text;
+}
+
+inline RecordingText without(RecordingText text, std::initializer_list<const char*> columns) {
+  for (const char* column : columns) text.csv = without_column(text.csv, column);
+  return text;
 }
 
 /// Replaces the first occurrence, which must be there.

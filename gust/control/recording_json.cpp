@@ -3,6 +3,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "gust/core/text.h"
+
 namespace gust {
 namespace {
 
@@ -145,7 +147,7 @@ Table read_json_table(std::string_view bytes, const std::string& name) {
   if (bytes.size() > kMostBytes) {
     throw Error(cat(name, ": ", bytes.size(), " bytes; a recording's description has at most ", kMostBytes));
   }
-  return Builder(bytes, name).build();
+  return Builder(utf8_text(bytes, name), name).build();
 }
 
 }  // namespace gust

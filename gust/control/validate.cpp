@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "gust/control/closed_loop.h"
-#include "gust/control/lqr.h"
+#include "gust/core/text.h"
 
 namespace gust {
 namespace {
@@ -83,26 +83,60 @@ bool reached_goal(const Recording& recording, const ClosedLoop& loop, std::size_
   return std::sqrt(sum) < recording.goal_tolerance;
 }
 
-/// Whether a lane's flags are those of the record. The time limit is only told where nothing else ends the episode.
-bool flags_equal(const Recording& recording, const ClosedLoop& loop, std::size_t lane, std::size_t record) {
+JudgedParts parts_of(const Recording& recording) {
+  const bool disturbed = recording.has("a_noisy");
+  return {.applied = disturbed && recording.has("a_applied"),
+          .reward = recording.has("reward") && (disturbed || recording.plant->spec().action_weight == 0),
+          .squared_error = recording.has("sq_err"),
+          .out_of_bounds = recording.has("out_of_bounds"),
+          .done = recording.has("done"),
+          .time_limit = recording.has("timelimit"),
+          .closed_loop = recording.controller() && recording.commanded() && recording.observation.rows() > 0};
+}
+
+/// Whether a lane's flags are those of the record, where they are recorded. The time limit is only told where nothing
+/// else ends the episode.
+bool flags_equal(const Recording& recording, const ClosedLoop& loop, std::size_t lane, std::size_t record,
+                 const JudgedParts& parts) {
   const auto flag = [&](Recorded row) { return recording.outcome.at(static_cast<std::size_t>(row), record) != 0; };
   const bool ended = loop.failed(lane) || reached_goal(recording, loop, lane);
   const bool time_limit = record >= recording.steps() && !ended;
-  return flag(Recorded::kOutOfBounds) == loop.failed(lane) && flag(Recorded::kDone) == (ended || time_limit) &&
-         flag(Recorded::kTimeLimit) == time_limit;
+  return (!parts.out_of_bounds || flag(Recorded::kOutOfBounds) == loop.failed(lane)) &&
+         (!parts.done || flag(Recorded::kDone) == (ended || time_limit)) &&
+         (!parts.time_limit || flag(Recorded::kTimeLimit) == time_limit);
+}
+
+/// The loop charges actions from the plant's own goal; the recording's may be another.
+double reward_of(const Recording& recording, const ClosedLoop& loop, std::size_t lane, std::size_t record) {
+  const PlantSpec& spec = recording.plant->spec();
+  if (recording.action_goal == spec.action_goal) return loop.reward()[lane];
+  double more = 0;
+  for (std::size_t i = 0; i < spec.action.size(); ++i) {
+    const double action = recording.disturbed.at(i, record);
+    const double theirs = action - recording.action_goal[i];
+    const double ours = action - spec.action_goal[i];
+    more += theirs * theirs - ours * ours;
+  }
+  return loop.reward()[lane] * std::exp(-spec.action_weight * more);
 }
 
 void judge_lane(const Recording& recording, const ClosedLoop& loop, std::size_t lane, std::size_t record,
                 Validation& result) {
   const auto recorded = [&](Recorded row) { return recording.outcome.at(static_cast<std::size_t>(row), record); };
-  for (std::size_t i = 0; i < recording.applied.rows(); ++i) {
-    result.applied.take(loop.applied().at(i, lane) - recording.applied.at(i, record), record);
+  if (result.parts.applied) {
+    for (std::size_t i = 0; i < recording.applied.rows(); ++i)
+      result.applied.take(loop.applied().at(i, lane) - recording.applied.at(i, record), record);
   }
-  const double reward = recorded(Recorded::kReward);
-  result.reward.take(loop.reward()[lane] - (recording.exponential_reward ? reward : std::exp(reward)), record);
-  const double squared = recorded(Recorded::kSquaredError);
-  result.squared_error.take((squared_error(recording, loop, lane) - squared) / std::max(1.0, squared), record);
-  if (flags_equal(recording, loop, lane, record)) return;
+  if (result.parts.reward) {
+    const double reward = recorded(Recorded::kReward);
+    result.reward.take(
+        reward_of(recording, loop, lane, record) - (recording.exponential_reward ? reward : std::exp(reward)), record);
+  }
+  if (result.parts.squared_error) {
+    const double squared = recorded(Recorded::kSquaredError);
+    result.squared_error.take((squared_error(recording, loop, lane) - squared) / std::max(1.0, squared), record);
+  }
+  if (flags_equal(recording, loop, lane, record, result.parts)) return;
   if (result.flags_differ++ == 0) result.first_flag = record;
 }
 
@@ -172,7 +206,9 @@ std::string fault_in(const std::vector<WorstError>& errors, const PlantSpec& spe
   return format("{} is off by {:.2g} {} at k = {} ({})", state.name, worst->error, state.unit, worst->record, mode);
 }
 
-std::string fault_of(const Validation& result, const PlantSpec& spec, const Tolerances& tolerances) {
+std::string fault_of(const Validation& result, const Recording& recording, const Tolerances& tolerances) {
+  const PlantSpec& spec = recording.plant->spec();
+  if (result.judged == 0) return cat("0 of ", recording.steps(), " steps judged: near the ground from k = 1");
   if (std::string fault = fault_in(result.one_step, spec, tolerances.step, "one step"); !fault.empty()) return fault;
   const auto beyond = [&](const char* what, const WorstError& worst) {
     return worst.error <= tolerances.step ? ""
@@ -203,18 +239,29 @@ Validation validate(const Recording& recording, const Tolerances& tolerances) {
   const PlantSpec& spec = recording.plant->spec();
   Validation result;
   result.one_step.resize(spec.state.size());
+  result.parts = parts_of(recording);
   result.judged = steps_off_ground(recording);
   for (std::size_t first = 0; first < result.judged; first += kLanes) {
     const Stretch at{first, std::min(kLanes, result.judged - first)};
     check_plant(recording, at, result);
     check_order(recording, at, result);
   }
-  if (recording.controller()) {
+  if (result.parts.closed_loop) {
     result.closed_loop.resize(spec.state.size());
     check_loop(recording, result);
   }
-  result.fault = fault_of(result, spec, tolerances);
+  result.fault = fault_of(result, recording, tolerances);
   return result;
+}
+
+std::string not_recorded(const Recording& recording, const JudgedParts& parts) {
+  std::vector<std::string> names;
+  if (!parts.applied) names.emplace_back("applied");
+  if (!parts.reward) names.emplace_back("reward");
+  if (!parts.squared_error) names.emplace_back("sq_err");
+  if (!parts.flags()) names.emplace_back("flags");
+  if (recording.controller() && !parts.closed_loop) names.emplace_back("closed loop");
+  return join(names, ", ");
 }
 
 }  // namespace gust

@@ -197,3 +197,92 @@ TEST_CASE("recordings longer than one stretch of lanes are checked to the end") 
   CHECK(result.one_step[0].record == 1100);
   CHECK(result.one_step[1].error == 0.0);
 }
+
+TEST_CASE("a controller is run with what it believes of the plant, not with what the plant is") {
+  const std::filesystem::path folder = std::filesystem::path(GUST_TEST_DATA) / "reference" / "belief";
+  for (const char* name : {"pd_believes_less_mass", "pd_believes_another_drone", "lqr_believes_less_mass"}) {
+    CAPTURE(name);
+    const Recording recording = recording_text(name, folder).read();
+
+    const Validation result = validate(recording, {});
+
+    CHECK(result.fault == "");
+    CHECK(result.parts.closed_loop);
+    CHECK(result.judged == 60);
+    CHECK(worst(result.one_step) < 1e-13);
+    CHECK(worst(result.closed_loop) < 1e-12);  // rounding that 60 steps add up
+  }
+}
+
+TEST_CASE("each belief of a controller counts: mass, inertia, arm, gravity and the action at rest") {
+  const std::filesystem::path folder = std::filesystem::path(GUST_TEST_DATA) / "reference" / "belief";
+  const auto off = [&](const char* name, const char* from, const char* to) {
+    RecordingText text = recording_text(name, folder);
+    const std::size_t beliefs = text.json.find("\"policy\"");
+    text.json = text.json.substr(0, beliefs) + replaced(text.json.substr(beliefs), from, to);
+    const Validation result = validate(text.read(), {});
+    return worst(result.one_step) < 1e-13 ? worst(result.closed_loop) : 0;
+  };
+
+  CHECK(off("pd_believes_another_drone", "\"M\": 0.027", "\"M\": 0.03") > 0.01);
+  CHECK(off("pd_believes_another_drone", "\"Iyy\": 1.4e-05", "\"Iyy\": 1.8e-05") > 0.001);
+  CHECK(off("pd_believes_another_drone", "\"arm\": 0.028", "\"arm\": 0.031") > 0.001);
+  CHECK(off("pd_believes_another_drone", "\"gravity\": 9.8", "\"gravity\": 9.81") > 1e-4);
+  CHECK(off("lqr_believes_less_mass", "0.1323", "0.147") > 0.01);
+}
+
+TEST_CASE("the reward is charged from u_goal") {
+  const std::filesystem::path folder = std::filesystem::path(GUST_TEST_DATA) / "reference" / "belief";
+  RecordingText text = recording_text("pd_believes_another_drone", folder);
+  text.json = replaced(text.json, "u_goal", "another");
+
+  CHECK(validate(text.read(), {}).fault.starts_with("reward "));
+}
+
+TEST_CASE("what a robot does not record is not judged, and said so") {
+  const RecordingText whole = recording_text("d_cp_lqr_noise_50_50");
+  const RecordingText log = without(
+      whole, {"a_raw", "a_noisy", "adv_x", "adv_z", "reward", "sq_err", "out_of_bounds", "done", "timelimit", "k"});
+  const Recording recording = log.read();
+
+  const Validation result = validate(recording, {});
+
+  CHECK(result.fault == "");
+  CHECK(result.judged == 250);
+  CHECK(worst(result.one_step) < 1e-14);
+  CHECK(worst(result.closed_loop) < 1e-14);
+  CHECK(not_recorded(recording, result.parts) == "applied, reward, sq_err, flags");
+  const Recording blind = without(log, {"obs0"}).read();
+  CHECK(not_recorded(blind, validate(blind, {}).parts) == "applied, reward, sq_err, flags, closed loop");
+  const Recording full = whole.read();
+  CHECK(not_recorded(full, validate(full, {}).parts) == "");
+}
+
+TEST_CASE("each flag is judged where it is recorded") {
+  RecordingText text = without(recording_text("d_cp_random_50_50"), {"done", "timelimit"});
+  CHECK(validate(text.read(), {}).fault == "");
+  const std::size_t line = text.csv.find("\n77,");
+  char& out_of_bounds = text.csv[text.csv.find('\n', line + 1) - 1];
+  out_of_bounds = out_of_bounds == '0' ? '1' : '0';
+
+  CHECK(validate(text.read(), {}).fault == "flags differ in 1 records, first at k = 77");
+}
+
+TEST_CASE("a recording of which no step can be judged has not passed") {
+  RecordingText text = recording_text("d_q2_hover_50_1000");
+  const std::size_t z = 16;  // its column
+  std::string csv;
+  for (const std::string& line : split_text(text.csv, '\n')) {
+    std::vector<std::string> cells = split_text(line, ',');
+    if (!csv.empty() && cells.size() > z) cells[z] = "-0.03";
+    csv += join(cells, ",") + "\n";
+  }
+  text.csv = csv;
+  text.json = replaced(text.json, "init_state", "start");
+
+  const Validation result = validate(text.read(), {});
+
+  CHECK(result.judged == 0);
+  CHECK_FALSE(result.passed());
+  CHECK(result.fault == "0 of 250 steps judged: near the ground from k = 1");
+}

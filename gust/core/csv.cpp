@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
@@ -18,6 +19,7 @@ class Reader {
 
   bool at_end() const { return at_ >= text_.size(); }
   std::size_t line() const { return line_; }
+  std::size_t at() const { return at_; }
 
   std::vector<std::string> record() {
     std::vector<std::string> cells;
@@ -63,7 +65,52 @@ class Reader {
   std::size_t line_ = 1;
 };
 
+std::string_view first_line(std::string_view text) { return text.substr(0, text.find_first_of("\r\n")); }
+
+bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
+
+/// "0,5"
+bool has_decimal_comma(std::string_view line) {
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+    if (line[i] == ',' && is_digit(line[i - 1]) && is_digit(line[i + 1])) return true;
+  }
+  return false;
+}
+
+bool is_number(std::string_view cell) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+  return error == std::errc{} && end == cell.data() + cell.size();
+}
+
 }  // namespace
+
+void check_csv_header(std::string_view text, std::string_view name) {
+  const std::string_view line = first_line(text);
+  if (line.starts_with('#') || line.starts_with('%') || line.starts_with("//")) {
+    throw Error(cat(name, ":1:1: begins with a comment, ", line.substr(0, line.starts_with('/') ? 2 : 1),
+                    "; the first line must be the names of the columns and nothing else"));
+  }
+  const std::vector<std::string> cells = split_text(line, ',');
+  const auto number_or_blank = [](std::string_view cell) { return cell.empty() || is_number(cell); };
+  if (std::ranges::any_of(cells, is_number) && std::ranges::all_of(cells, number_or_blank))
+    throw Error(cat(name, ":1:1: the first line holds numbers; it must hold the names of the columns"));
+  if (line.find(',') != std::string_view::npos) return;
+  const std::string_view next = first_line(text.substr(std::min(text.size(), text.find('\n', line.size()) + 1)));
+  constexpr std::pair<char, std::string_view> kOthers[] = {{';', ";"}, {'\t', "tabs"}, {'|', "|"}, {' ', "blanks"}};
+  for (const auto& [separator, word] : kOthers) {
+    const std::size_t at = line.find(separator);
+    if (at == std::string_view::npos) continue;
+    throw Error(cat(name, ":1:", at + 1, ": cells are separated by ", word, " here: commas are needed",
+                    has_decimal_comma(next) ? ", and points in numbers" : ""));
+  }
+}
+
+std::string csv_line_hint(std::string_view line, std::size_t cells, std::size_t of_header) {
+  if (line.starts_with('#')) return "; comments are not read, leave them out";
+  if (cells > of_header && has_decimal_comma(line)) return "; are these decimal commas? numbers need points";
+  return {};
+}
 
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -86,15 +133,20 @@ std::string csv_line(const std::vector<std::string>& cells) {
   return line;
 }
 
-CsvTable::CsvTable(std::string_view text, std::string_view name) : name_(name) {
+CsvTable::CsvTable(std::string_view bytes, std::string_view name) : name_(name) {
+  const std::string_view text = utf8_text(bytes, name);
+  check_csv_header(text, name);
   Reader reader(text, name_);
   if (reader.at_end()) throw Error(cat(name_, ":1: the file is empty"));
   columns_ = reader.record();
   while (!reader.at_end()) {
     const std::size_t line = reader.line();
+    const std::string_view rest = text.substr(reader.at());
     std::vector<std::string> cells = reader.record();
+    if (cells.size() == 1 && cells.front().empty() && columns_.size() > 1) continue;
     if (cells.size() != columns_.size())
-      throw Error(cat(name_, ":", line, ": ", cells.size(), " cells where the header has ", columns_.size()));
+      throw Error(cat(name_, ":", line, ": ", cells.size(), " cells where the header has ", columns_.size(),
+                      csv_line_hint(first_line(rest), cells.size(), columns_.size())));
     records_.push_back(std::move(cells));
     lines_.push_back(line);
   }

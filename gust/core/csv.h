@@ -13,12 +13,20 @@ std::string csv_cell(const std::string& text);
 /// The cells as one line, with its end.
 std::string csv_line(const std::vector<std::string>& cells);
 
-/// A CSV file with a header line; cells may be quoted.
+/// Throws Error, which begins with the name and the place, where the first line is no header of a CSV file: where cells
+/// are separated by something else than commas, where it is a comment, or where it holds numbers alone.
+void check_csv_header(std::string_view text, std::string_view name);
+
+/// What may be wrong with a line that has another number of cells than the header, as "; …" for the end of a message;
+/// empty if nothing is known.
+std::string csv_line_hint(std::string_view line, std::size_t cells, std::size_t of_header);
+
+/// A CSV file with a header line, in UTF-8; cells may be quoted, and empty lines are left out.
 class CsvTable {
  public:
   /// Throws Error, which begins with the name and the line, where the text is no such file or a record has more or
   /// fewer cells than the header.
-  CsvTable(std::string_view text, std::string_view name);
+  CsvTable(std::string_view bytes, std::string_view name);
 
   std::size_t size() const { return records_.size(); }
   bool has(std::string_view column) const;

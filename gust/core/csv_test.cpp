@@ -44,3 +44,36 @@ TEST_CASE("what is no CSV file is an error with its line") {
   CHECK_THROWS_WITH_AS(table.text(0, "levels"), "t.csv:1: there is no column 'levels'; did you mean 'level'?", Error);
   CHECK_THROWS_WITH_AS(table.number(1, "level"), "t.csv:3: 'high' is no number (column 'level')", Error);
 }
+
+TEST_CASE("another separator, encoding, comment or header is told as what it is") {
+  const auto wrong = [](std::string_view text, const char* message) {
+    CHECK_THROWS_WITH_AS(CsvTable(text, "t.csv"), message, Error);
+  };
+  using namespace std::string_view_literals;
+  wrong("a;b\n1.5;2\n", "t.csv:1:2: cells are separated by ; here: commas are needed");
+  wrong("a;b\n1,5;2\n", "t.csv:1:2: cells are separated by ; here: commas are needed, and points in numbers");
+  wrong("a\tb\r\n1,5\t2\n", "t.csv:1:2: cells are separated by tabs here: commas are needed, and points in numbers");
+  wrong("a|b\n", "t.csv:1:2: cells are separated by | here: commas are needed");
+  wrong("# run 5\na,b\n",
+        "t.csv:1:1: begins with a comment, #; the first line must be the names of the columns and nothing else");
+  wrong("1.5,,2e3\n", "t.csv:1:1: the first line holds numbers; it must hold the names of the columns");
+  wrong("a,b\n1,2\n# pause\n", "t.csv:3: 1 cells where the header has 2; comments are not read, leave them out");
+  wrong("a,b\n1,5,2,5\n", "t.csv:2: 4 cells where the header has 2; are these decimal commas? numbers need points");
+  wrong(
+      "\xff\xfe"
+      "a\0,\0"sv,
+      "t.csv:1:1: is UTF-16; save it as UTF-8");
+  wrong("\0a\0,"sv, "t.csv:1:1: is UTF-16; save it as UTF-8");
+}
+
+TEST_CASE("a byte order mark and empty lines change nothing") {
+  const CsvTable table(
+      "\xef\xbb\xbf"
+      "a,b\n\n1,2\n\r\n3,4\n\n",
+      "t.csv");
+
+  REQUIRE(table.size() == 2);
+  CHECK(table.number(0, "a") == 1);
+  CHECK(table.number(1, "b") == 4);
+  CHECK(table.place(1) == "t.csv:5");
+}

@@ -28,7 +28,22 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return last.back();
 }
 
+/// The encoding that a byte order mark, or a zero byte in the first letter, tells of; empty if none does.
+std::string_view wide_encoding(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  if (bytes.starts_with("\xff\xfe\0\0"sv) || bytes.starts_with("\0\0\xfe\xff"sv)) return "UTF-32";
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return "UTF-16";
+  return bytes.size() > 1 && (bytes[0] == '\0') != (bytes[1] == '\0') ? "UTF-16" : "";
+}
+
 }  // namespace
+
+std::string_view utf8_text(std::string_view bytes, std::string_view name) {
+  if (const std::string_view encoding = wide_encoding(bytes); !encoding.empty())
+    throw Error(cat(name, ":1:1: is ", encoding, "; save it as UTF-8"));
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  return bytes;
+}
 
 std::string nearest(std::string_view typed, std::span<const std::string> candidates) {
   constexpr std::size_t kLongestName = 64;  // nobody means a name by a text longer than this

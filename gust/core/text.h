@@ -19,6 +19,10 @@ std::string join(std::span<const std::string> parts, std::string_view separator)
 /// The parts of a text between separators; an empty text has no parts.
 std::vector<std::string> split_text(std::string_view text, char separator);
 
+/// The text of a file in UTF-8, without the byte order mark that some programs put first. Throws Error, which begins
+/// with the name, where the bytes are UTF-16 or UTF-32.
+std::string_view utf8_text(std::string_view bytes, std::string_view name);
+
 /// The text's letters and digits as a part of a file's name, "action-step", of at most so many characters.
 std::string slug(std::string_view text, std::size_t most = 100);
 

@@ -47,7 +47,8 @@ void Bootstrap::draw(std::span<const std::size_t> strata, std::size_t first, Row
   std::size_t offset = 0;
   for (std::size_t stratum = 0; stratum < strata.size(); ++stratum) {
     const std::size_t size = strata[stratum];
-    GUST_CHECK(size <= 0xffff);
+    GUST_CHECK(size <=
+               0xffffffff);  // that a unit is drawn 65,536 times has a chance below 1e-280000, whatever the size
     const Rng rng = rng_.split(stratum);
     for (std::size_t lane = 0; lane < times.lanes; ++lane) {
       const std::size_t begin = (first + lane) * size;

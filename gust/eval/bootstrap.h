@@ -27,7 +27,8 @@ double widened_tail(std::size_t units, double confidence = 0.95);
 /// thread.
 class Bootstrap {
  public:
-  static constexpr std::size_t kBlock = 512;  ///< most resamples that are looked at together
+  static constexpr std::size_t kBlock = 512;      ///< most resamples that are looked at together
+  static constexpr std::size_t kLeastBlock = 16;  ///< and fewest, of many units
 
   explicit Bootstrap(Rng rng, std::size_t resamples = 10'000, double confidence = 0.95);
 
@@ -62,9 +63,12 @@ void Bootstrap::for_each_block(std::span<const std::size_t> strata, Visit&& visi
   std::size_t units = 0;
   for (const std::size_t size : strata) units += size;
   const Times* all = kept(strata);
-  Times scratch(all ? 0 : units, kBlock);
-  for (std::size_t first = 0; first < resamples_; first += kBlock) {
-    const std::size_t count = std::min(kBlock, resamples_ - first);
+  constexpr std::size_t kMostCounts = std::size_t{1} << 22;  // 8 MB: of many units fewer resamples at a time
+  const std::size_t block =
+      all ? kBlock : std::clamp(kMostCounts / std::max<std::size_t>(units, 1), kLeastBlock, kBlock);
+  Times scratch(all ? 0 : units, block);
+  for (std::size_t first = 0; first < resamples_; first += block) {
+    const std::size_t count = std::min(block, resamples_ - first);
     if (all) {
       const Rows<const std::uint16_t> times = all->view();
       visit(first, Rows<const std::uint16_t>{times.data + first, units, count, times.stride});

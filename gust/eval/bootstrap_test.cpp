@@ -76,6 +76,26 @@ TEST_CASE("draws depend on the seed and the strata, not on earlier questions or 
   CHECK(all_draws(other, strata) != all_draws(fresh, strata));
 }
 
+TEST_CASE("more units than 16 bits can count are drawn, in blocks of any size alike") {
+  const std::size_t units = 599'186;  // as many episodes as a study may have
+  std::vector<std::vector<int>> draws[2];
+  for (const std::size_t more : {0, 1}) {  // blocks of 16 resamples
+    Bootstrap bootstrap(Rng(6), 3 + 14 * more);
+    draws[more] = all_draws(bootstrap, std::span(&units, 1));
+  }
+
+  for (std::size_t k = 0; k < 3; ++k) CHECK(draws[0][k] == draws[1][k]);
+  for (const auto& times : draws[1]) {
+    std::size_t sum = 0, none = 0;
+    for (const int count : times) {
+      sum += static_cast<std::size_t>(count);
+      none += count == 0 ? 1 : 0;
+    }
+    CHECK(sum == units);
+    CHECK(static_cast<double>(none) / units == doctest::Approx(0.36788).epsilon(0.01));  // 1 / e
+  }
+}
+
 TEST_CASE("a stratum is drawn alike whatever follows it, and in shapes too large to keep") {
   Bootstrap bootstrap(Rng(5), 1'000);
   const std::array<std::size_t, 1> small = {10};

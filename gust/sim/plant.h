@@ -37,11 +37,12 @@ struct Parameter {
 
 /// A cascade of two proportional-derivative loops: the outer one asks for an attitude, the inner one brings it about.
 /// With e = reference - state, the attitude's reference is clip(outer . e, -limit, limit), and then
-/// action = action_goal + inner e.
+/// action = rest + inner e. All of it is what the controller believes of the plant, which may be wrong.
 struct Cascade {
   std::vector<double> outer;  ///< per state component
   double limit = 0;           ///< rad
   Eigen::MatrixXd inner;      ///< actions x states, physical
+  Eigen::VectorXd rest;       ///< action without an error, physical
 };
 
 /// Everything about a plant and its task that is data: what is measured, pushed, charged and forbidden. SI units.

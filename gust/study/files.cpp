@@ -67,6 +67,15 @@ bool is_stream(const std::filesystem::path& path) {
   return !std::filesystem::is_regular_file(status) || std::filesystem::is_symlink(link_target(path), error);
 }
 
+void check_folder_of(const std::filesystem::path& file, std::string_view named) {
+  const std::filesystem::path folder = link_target(file).parent_path();
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return;
+  const bool there = std::filesystem::exists(folder, error);
+  throw Error(cat(named, ": '", file.string(), "': ", folder.string(),
+                  there ? " is no folder" : " is not there; make the folder first (mkdir -p)"));
+}
+
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(link_target(std::move(path))) {
   if (is_stream(path_)) {
     descriptor_ = open_file(path_, O_WRONLY | O_APPEND);  // behind what others have written there

@@ -21,6 +21,10 @@ std::filesystem::path link_target(std::filesystem::path path);
 /// is open already.
 bool is_stream(const std::filesystem::path& path);
 
+/// Throws Error, which begins with `named`, unless the folder is there in which this file is to be written: a user's
+/// file in a folder that is not there is a slip of the keyboard.
+void check_folder_of(const std::filesystem::path& file, std::string_view named);
+
 /// A file that is replaced whole or not at all: written aside in the same folder, synced, renamed, the folder synced.
 ///
 /// Folders above it are made. A link is followed, also one to nothing; a stream such as /dev/stdout is written

@@ -9,6 +9,14 @@
 #include <system_error>
 
 namespace gust {
+namespace {
+
+/// What a file system says of a call that it does not know.
+bool is_unknown_call(int error) {
+  return error == EINVAL || error == ENOTSUP || error == EOPNOTSUPP || error == ENOSYS;
+}
+
+}  // namespace
 
 void Descriptor::close() {
   if (number_ >= 0) ::close(number_);
@@ -35,7 +43,7 @@ void write_all(const Descriptor& file, std::string_view bytes, const std::filesy
 }
 
 void sync_file(const Descriptor& file, const std::filesystem::path& path) {
-  if (::fsync(file.get()) != 0) throw file_error(path, "cannot write");
+  if (::fsync(file.get()) != 0 && !is_unknown_call(errno)) throw file_error(path, "cannot write");
 }
 
 void sync_folder(const std::filesystem::path& folder) {
@@ -55,7 +63,10 @@ Descriptor lock_file(const std::filesystem::path& path, bool wait, const std::fi
     while (::flock(file.get(), wait ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
       if (errno == EINTR) continue;
       if (errno == EWOULDBLOCK) return Descriptor();
-      throw file_error(named, "cannot lock");
+      if (errno != ENOLCK && !is_unknown_call(errno)) throw file_error(named, "cannot lock");
+      throw Error(cat(named.string(),
+                      ": cannot lock: its file system has no locks (flock: ", std::generic_category().message(errno),
+                      "); choose a folder on another one, such as a local disk"));
     }
     // While we waited the file may have been removed, or renamed away and made anew.
     struct stat ours {};

@@ -35,7 +35,8 @@ Descriptor open_file(const std::filesystem::path& path, int flags);
 
 void write_all(const Descriptor& file, std::string_view bytes, const std::filesystem::path& path);
 
-/// Waits until the content of a file has reached the disk.
+/// Waits until the content of a file has reached the disk. A file system that does not know how is left to itself, here
+/// and for folders: CIFS and FUSE do not for folders, and nothing is wrong with the file.
 void sync_file(const Descriptor& file, const std::filesystem::path& path);
 
 /// Waits until the entries of a folder have reached the disk.
@@ -47,7 +48,7 @@ void make_folders(const std::filesystem::path& folder);
 /// Opens a file, made if need be, and holds its lock, against other processes and other openings in this one, until the
 /// descriptor closes. The file was in its place when the lock was got, so whoever removes it under the lock leaves no
 /// two holders. Waits for the lock, or gives no descriptor if `wait` is false and another holds it. Errors name
-/// `named`.
+/// `named`; that of a file system without locks says what to do.
 Descriptor lock_file(const std::filesystem::path& path, bool wait, const std::filesystem::path& named);
 
 }  // namespace gust

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "gust/core/csv.h"
 #include "gust/study/parse.h"
+#include "gust/study/reference_curve.h"
 
 namespace gust {
 namespace {
@@ -40,11 +40,13 @@ ReferenceCurve parse_reference(const Table& table, const FindFiles& find, const 
   curve.source = checked_name(table, "source", "a learning curve");
   const std::vector<StudyPolicy::File> files = find(required_text(table, "file", "a learning curve"), table.place);
   if (files.size() != 1) throw error_at(table.place, "'file' must name one file, found ", files.size());
-  const CsvTable csv(files.front().bytes, files.front().path);
-  for (std::size_t i = 0; i < csv.size(); ++i) {
-    curve.steps.push_back(csv.number(i, required_text(table, "steps", "a learning curve")));
-    curve.score.push_back(csv.number(i, required_text(table, "score", "a learning curve")));
-  }
+  const auto column = [&](const char* key) {
+    return table.contains(key) ? required_text(table, key, "a learning curve") : std::string();
+  };
+  const CurveColumns columns{column("steps"), column("score"), study.setup.plant->spec().steps};
+  CurvePoints points = read_reference_curve(files.front().bytes, files.front().path, columns);
+  curve.steps = std::move(points.steps);
+  curve.score = std::move(points.score);
   return curve;
 }
 

@@ -18,6 +18,8 @@
 
 #include <algorithm>
 
+#include "gust/core/text.h"
+
 namespace gust {
 namespace {
 
@@ -154,8 +156,9 @@ Table parse_toml(std::string_view bytes, std::string_view name) {
   if (bytes.size() > kMostBytes) {
     throw error_at({std::string(name)}, "has ", bytes.size(), " bytes; at most ", kMostBytes, " are read");
   }
-  KeyScan(bytes, name).run();
-  const toml::parse_result result = toml::parse(bytes);
+  const std::string_view text = utf8_text(bytes, name);
+  KeyScan(text, name).run();
+  const toml::parse_result result = toml::parse(text);
   if (!result) {
     const toml::source_position at = result.error().source().begin;
     throw error_at({std::string(name), at.line, at.column}, plain_message(result.error().description()));

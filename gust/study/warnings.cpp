@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 namespace gust {
@@ -42,6 +43,23 @@ void warn_of_windows(std::span<const Injection> injections, const std::string& w
   }
 }
 
+/// Angles of the plant's task beyond half a turn: degrees, most likely.
+void warn_of_degrees(const PlantSpec& spec, std::vector<std::string>& warnings) {
+  constexpr double kHalfTurn = std::numbers::pi * (1 + 1e-6);  // a limit that was written as 3.141593 is meant
+  for (std::size_t i = 0; i < spec.state.size(); ++i) {
+    if (spec.state[i].unit != "rad") continue;
+    const auto warn = [&](std::string_view what, double angle, std::string_view so) {
+      if (!(std::abs(angle) > kHalfTurn) || std::isinf(angle)) return;
+      warnings.push_back(fmt::format(
+          "plant: {} {} = {:.4g} rad, more than half a turn{}; are degrees meant? {:.4g} degrees are {:.4g} rad", what,
+          spec.state[i].name, angle, so, angle, angle * std::numbers::pi / 180.0));
+    };
+    warn("an episode fails beyond", spec.fail_high[i], ", so that no attitude fails");
+    warn("episodes start at", spec.start[i], "");
+    warn("random starts spread by", spec.start_range[i], "");
+  }
+}
+
 }  // namespace
 
 Limits possible_values(const Setup& setup, std::size_t parameter) {
@@ -59,6 +77,7 @@ std::vector<std::string> plant_warnings(const Setup& setup) {
         fmt::format("plant: {} = {:.4g} {} lies", parameters[i].name, parameters[i].nominal, parameters[i].unit);
     warnings.push_back(out_of_reach(setup, i, what));
   }
+  warn_of_degrees(setup.plant->spec(), warnings);
   return warnings;
 }
 

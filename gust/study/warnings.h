@@ -10,7 +10,8 @@ namespace gust {
 /// The values of a parameter with which the plant can be held at its goal, given how far the readings let a command go.
 Limits possible_values(const Setup& setup, std::size_t parameter);
 
-/// One sentence for each parameter of the plant with which it cannot be held.
+/// One sentence for each parameter of the plant with which it cannot be held, and for each angle of its task that looks
+/// like degrees.
 std::vector<std::string> plant_warnings(const Setup& setup);
 
 /// One sentence for each parameter whose draws reach values with which the plant cannot be held.

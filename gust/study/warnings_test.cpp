@@ -74,3 +74,25 @@ TEST_CASE("a sweep with levels below 0 is told to have no margins") {
             small_study({}, changed("levels = [0, 5, 30]", "grid = { pole_length = [0.5, 1], level = [0, 3] }")))
             .empty());  // a grid has no margins
 }
+
+TEST_CASE("angles that look like degrees are told") {
+  const auto told = [](const std::string& options) {
+    const std::string text = cat("schema = 1\nname = \"c\"\nplant = { kind = \"cartpole\", ", options,
+                                 " }\n[[policy]]\nname = \"zero\"\nkind = \"zero\"\n");
+    return plant_warnings(parse_study(text, "c.toml", {}, [](const std::string&, const Place&) {
+                            return std::vector<StudyPolicy::File>{};
+                          }).setup);
+  };
+
+  CHECK(told("theta_limit = 12") ==
+        Warnings{"plant: an episode fails beyond theta = 12 rad, more than half a turn, so that no attitude fails; are "
+                 "degrees meant? 12 degrees are 0.2094 rad"});
+  CHECK(
+      told("start_range = [0, 0, 5, 0]") ==
+      Warnings{"plant: random starts spread by theta = 5 rad, more than half a turn; are degrees meant? 5 degrees are "
+               "0.08727 rad"});
+  CHECK(told("start = [9, 0, 0, 9]").empty());  // neither is an angle
+  CHECK(told("theta_limit = 3.141592653589793").empty());
+  CHECK(told("theta_limit = 3.141593").empty());  // rounded up
+  CHECK(told("theta_limit = 3.15").size() == 1);
+}

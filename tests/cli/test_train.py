@@ -29,6 +29,28 @@ def test_trained_policy_knows_what_it_was_made_for(gust):
     gust("eval", "ppo.onnx", "--plant", "cartpole", "--preset", "scg-2022", "--set", "normalized_action=false", code=2)
 
 
+def test_a_folder_that_is_not_there_is_an_error_before_any_work(gust, tmp_path):
+    assert "--out: 'no/such/x.onnx': no/such is not there; make the folder first" in gust(
+        *SHORT, "--out", "no/such/x.onnx", code=2).stderr
+    (tmp_path / "file").write_text("")
+    assert "is no folder" in gust(*SHORT, "--out", "file/x.onnx", code=2).stderr
+    assert "--csv: 'no/x.csv': no is not there" in gust("export", "a.gust", "--csv", "no/x.csv", code=2).stderr
+    assert "--sqlite: 'no/x.db': no is not there" in gust("export", "a.gust", "--sqlite", "no/x.db", code=2).stderr
+    assert "FILE: 'no/x.pack': no is not there" in gust("store", "pack", "a.gust", "no/x.pack", code=2).stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_angles_that_look_like_degrees_are_told(gust, tmp_path):
+    limit = ["--plant", "cartpole", "--set", "theta_limit=12"]
+    study = tmp_path / "s.toml"
+    study.write_text('schema = 1\nname = "s"\nplant = { kind = "cartpole", theta_limit = 12, steps = 5 }\n'
+                     '[[policy]]\nname = "zero"\nkind = "zero"\n')
+    for command in (["train", "ppo", *limit, "--steps", "400", "--out", "a.onnx"], ["eval", "zero", *limit],
+                    ["plan", study], ["run", study]):
+        assert "theta = 12 rad, more than half a turn" in gust(*command).stderr
+    assert "half a turn" not in gust("eval", "zero", "--plant", "cartpole", "--set", "theta_limit=0.209").stderr
+
+
 def test_draws_that_cannot_hover_are_told(gust):
     quadrotor = ["train", "ppo", "--plant", "quadrotor", "--steps", "1000", "--out", "ppo.onnx"]
     assert "warning" not in gust(*quadrotor).stderr

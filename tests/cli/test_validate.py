@@ -94,3 +94,54 @@ def test_records_that_are_missing_or_damaged_are_named(gust, copy):
     assert "d_cp_random_50_50.csv" in refused(gust, path)
     records.unlink()
     assert "lie beside it" in refused(gust, path)
+
+
+def test_nothing_judged_has_not_passed(gust, copy):
+    path = copy("d_q2_hover_50_1000", lambda description: description.pop("init_state"))
+    records = path.with_suffix(".csv")
+    lines = [line.split(",") for line in records.read_text().splitlines()]
+    z = lines[0].index("z")
+    on_the_floor = [line[:z] + ["-0.03"] + line[z + 1:] for line in lines[1:]]
+    records.write_text("\n".join(map(",".join, [lines[0], *on_the_floor])) + "\n")
+    done = gust("validate", path, code=3)
+    assert "0 of 250 steps judged: near the ground from k = 1" in done.stdout and "pass" not in done.stdout.splitlines()[-1]
+    (got,) = json.loads(gust("validate", path, "--json", code=3).stdout)
+    assert got["passed"] is False and got["judged"] == 0
+    assert got["one_step"] is None and got["closed_loop"] is None and got["flags_equal"] is None
+
+
+def test_a_robots_log_is_judged_by_what_it_has(gust, copy):
+    path = copy("d_cp_lqr_15_750")
+    records = path.with_suffix(".csv")
+    lines = [line.split(",") for line in records.read_text().splitlines()]
+    kept = [lines[0].index(name) for name in ("t", "x", "x_dot", "theta", "theta_dot", "a_applied")]
+    records.write_text("\n".join(",".join(line[i] for i in kept) for line in lines) + "\n")
+    line = gust("validate", path).stdout.splitlines()[-1]
+    assert "pass (not recorded, not judged: applied, reward, sq_err, flags, closed loop; no force recorded: taken as 0)" in line
+    (got,) = json.loads(gust("validate", path, "--json").stdout)
+    assert got["passed"] is True and got["judged"] == got["steps"] and max(got["one_step"].values()) <= 1e-12
+    assert got["reward"] is None and got["sq_err"] is None and got["flags_equal"] is None and got["closed_loop"] is None
+    assert "not judged: applied, reward, sq_err, flags, closed loop" in got["note"]
+
+
+def test_controllers_that_believe_in_another_plant_agree(gust):
+    believers = sorted((RECORDINGS.parent / "belief").glob("*.json"))
+    assert len(believers) == 3
+    for one in json.loads(gust("validate", *believers, "--json").stdout):
+        assert one["judged"] == 60 and max(one["closed_loop"].values()) <= 1e-10 and one["reward"] <= 1e-12
+
+
+def test_other_separators_and_encodings_are_named(gust, copy):
+    path = copy("d_cp_lqr_15_750")
+    records = path.with_suffix(".csv")
+    text = records.read_text()
+    records.write_text(text.replace(",", ";"))
+    assert "csv:1:2: cells are separated by ; here: commas are needed" in refused(gust, path)
+    records.write_text(text, encoding="utf-16")
+    assert "csv:1:1: is UTF-16; save it as UTF-8" in refused(gust, path)
+    records.write_text(text)
+    path.write_text(path.read_text(), encoding="utf-16")
+    assert "json:1:1: is UTF-16; save it as UTF-8" in refused(gust, path)
+    study = path.with_suffix(".toml")
+    study.write_text("schema = 1\n", encoding="utf-16")
+    assert "toml:1:1: is UTF-16; save it as UTF-8" in gust("plan", study, code=2).stderr

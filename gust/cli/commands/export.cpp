@@ -4,6 +4,7 @@
 
 #include "gust/cli/command.h"
 #include "gust/cli/study_command.h"
+#include "gust/study/files.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -43,6 +44,8 @@ void command_export(CLI::App& app, int& exit_code) {
     if (options->csv.empty() && options->sqlite.empty())
       throw Error("where to? give --csv FILE, --sqlite FILE, or both (gust export --help)");
     if (options->csv == options->sqlite) throw Error("--csv and --sqlite: name two files");
+    if (!options->csv.empty()) check_folder_of(options->csv, "--csv");
+    if (!options->sqlite.empty()) check_folder_of(options->sqlite, "--sqlite");
     const OpenStudy open = open_study(options->folder);
     std::vector<std::size_t> missing;
     if (!options->csv.empty()) missing = export_csv(open.study, open.plan, *open.store, options->csv);

@@ -2,6 +2,7 @@
 
 #include "gust/cli/command.h"
 #include "gust/cli/study_command.h"
+#include "gust/study/files.h"
 #include "gust/study/pack.h"
 
 namespace gust {
@@ -20,6 +21,7 @@ std::string size_text(std::uint64_t bytes) {
 }
 
 int pack(const Options& options) {
+  check_folder_of(options.file, "FILE");
   const Store store(StudyFolder(options.folder).store(), Store::Access::read, tell);
   const PackCount count = pack_store(store, options.file, options.trainings ? kind_name(Trial::Kind::kTrain) : "");
   print_lines(cat(options.file, ": ", count.trials, " trials, ", size_text(count.bytes), "\n"));

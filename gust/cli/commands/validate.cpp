@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gust/cli/command.h"
+#include "gust/core/text.h"
 #include "gust/study/files.h"
 
 namespace gust {
@@ -63,23 +64,38 @@ std::string head_of(const PlantSpec& spec, std::size_t name_width) {
                      "applied", "reward", "sq_err");
 }
 
+/// What was not judged, and what was taken for granted; empty if nothing was.
+std::string limits_of(const Recording& recording, const Validation& result) {
+  std::vector<std::string> limits;
+  if (result.judged < recording.steps())
+    limits.push_back(cat("up to the ground, k = ", result.judged, " of ", recording.steps()));
+  const std::string policy = recording.policy.empty() ? "" : cat(", '", recording.policy, "'");
+  if (!recording.controller()) limits.push_back(cat("open loop", policy, ": one step only"));
+  const std::string missing = not_recorded(recording, result.parts);
+  if (!missing.empty()) limits.push_back(cat("not recorded, not judged: ", missing));
+  if (!recording.has("f_x")) limits.push_back("no force recorded: taken as 0");
+  return join(limits, "; ");
+}
+
 std::string verdict_of(const Checked& checked) {
   if (!checked.result.passed()) return cat("FAIL: ", checked.result.fault);
-  if (checked.result.judged < checked.recording.steps()) {
-    return cat("pass (up to the ground, k = ", checked.result.judged, " of ", checked.recording.steps(), ")");
-  }
-  if (!checked.result.closed_loop.empty()) return "pass";
-  return cat("pass (open loop, '", checked.recording.policy, "': one step only)");
+  const std::string limits = limits_of(checked.recording, checked.result);
+  return limits.empty() ? "pass" : cat("pass (", limits, ")");
 }
+
+std::string part_text(bool judged, const WorstError& worst) { return judged ? error_text(worst.error) : "-"; }
 
 std::string line_of(const Checked& checked, std::size_t name_width) {
   const Validation& result = checked.result;
   const PlantSpec& spec = checked.recording.plant->spec();
+  const bool any = result.judged > 0;
+  const char* const flags = !any || !result.parts.flags() ? "-     " : result.flags_differ == 0 ? "equal " : "differ";
   return fmt::format("{:<{}}{}{}  {:<8}  {:<8}  {:<8}  {}  {}\n", printable(checked.recording.name), name_width,
-                     state_cells(result.one_step, spec), state_cells(result.closed_loop, spec),
-                     error_text(result.applied.error), error_text(result.reward.error),
-                     error_text(result.squared_error.error), result.flags_differ == 0 ? "equal " : "differ",
-                     verdict_of(checked));
+                     state_cells(any ? result.one_step : std::vector<WorstError>(), spec),
+                     state_cells(any ? result.closed_loop : std::vector<WorstError>(), spec),
+                     part_text(any && result.parts.applied, result.applied),
+                     part_text(any && result.parts.reward, result.reward),
+                     part_text(any && result.parts.squared_error, result.squared_error), flags, verdict_of(checked));
 }
 
 void print_table(const std::vector<Checked>& all) {
@@ -94,32 +110,38 @@ void print_table(const std::vector<Checked>& all) {
   }
 }
 
-nlohmann::ordered_json states_json(const std::vector<WorstError>& errors, const PlantSpec& spec) {
-  if (errors.empty()) return nullptr;
+nlohmann::ordered_json states_json(bool judged, const std::vector<WorstError>& errors, const PlantSpec& spec) {
+  if (!judged || errors.empty()) return nullptr;
   nlohmann::ordered_json object;
   for (std::size_t i = 0; i < errors.size(); ++i) object[spec.state[i].name] = errors[i].error;
   return object;
 }
 
-/// One object a recording. JSON has no infinity: such an error is null.
+nlohmann::ordered_json part_json(bool judged, double error) {
+  if (!judged) return nullptr;
+  return error;
+}
+
+/// One object a recording. What was not judged is null; JSON has no infinity, so that such an error is null too.
 void print_json(const std::vector<Checked>& all) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const auto& [recording, result] : all) {
     const PlantSpec& spec = recording.plant->spec();
-    list.push_back(
-        {{"recording", recording.name},
-         {"plant", recording.plant.kind},
-         {"policy", recording.policy},
-         {"steps", recording.steps()},
-         {"judged", result.judged},
-         {"one_step", states_json(result.one_step, spec)},
-         {"closed_loop", states_json(result.closed_loop, spec)},
-         {"applied", result.applied.error},
-         {"reward", result.reward.error},
-         {"sq_err", result.squared_error.error},
-         {"flags_equal", result.flags_differ == 0},
-         {"passed", result.passed()},
-         {"note", result.passed() && result.closed_loop.empty() ? "open loop: one step only" : result.fault}});
+    const JudgedParts& parts = result.parts;
+    const bool any = result.judged > 0;
+    list.push_back({{"recording", recording.name},
+                    {"plant", recording.plant.kind},
+                    {"policy", recording.policy},
+                    {"steps", recording.steps()},
+                    {"judged", result.judged},
+                    {"one_step", states_json(any, result.one_step, spec)},
+                    {"closed_loop", states_json(any, result.closed_loop, spec)},
+                    {"applied", part_json(any && parts.applied, result.applied.error)},
+                    {"reward", part_json(any && parts.reward, result.reward.error)},
+                    {"sq_err", part_json(any && parts.squared_error, result.squared_error.error)},
+                    {"flags_equal", any && parts.flags() ? nlohmann::ordered_json(result.flags_differ == 0) : nullptr},
+                    {"passed", result.passed()},
+                    {"note", result.passed() ? limits_of(recording, result) : result.fault}});
   }
   fmt::print("{}\n", list.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
@@ -148,7 +170,10 @@ applied action, reward and squared error, and whether the flags are equal. The d
 program's equal equations; for measurements choose them by your sensors, such as --tolerance-step 0.01
 --tolerance-loop 0.1. --tolerance-step also judges applied action, reward and squared error.
 
-Exit code: 0 if all pass, 3 if any fails, 2 if one cannot be read.
+A robot's log has time, state and force: what it does not have is not judged, and the verdict says so. A recording of
+which no step could be judged has not passed.
+
+Exit code: 0 if all pass, 3 if any does not, 2 if one cannot be read.
 
 )";
 

@@ -291,11 +291,12 @@ PlantSpec Quadrotor::spec() const {
 
 /// The gains with which the reference simulator's circle was recorded, at nominal mass and inertia.
 Cascade Quadrotor::cascade() const {
-  Cascade cascade{{2.1, 1.05, 0, 0, 0, 0}, 0.3, Eigen::MatrixXd(2, 6)};
+  Cascade cascade{{2.1, 1.05, 0, 0, 0, 0}, 0.3, Eigen::MatrixXd(2, 6), Eigen::VectorXd(2)};
   const double lift = mass / 2.0;
   const double twist = inertia / (2.0 * arm);
   cascade.inner << 0, 0, 40.0 * lift, 13.0 * lift, -225.0 * twist, -30.0 * twist,  //
       0, 0, 40.0 * lift, 13.0 * lift, 225.0 * twist, 30.0 * twist;
+  cascade.rest.setConstant(mass * gravity / 2.0);
   return cascade;
 }
 
