@@ -5,6 +5,7 @@
 #include "gust/cli/settings.h"
 #include "gust/study/parse.h"
 #include "gust/study/policies.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -170,6 +171,11 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
           .metrics = {},
           .initial_state = start_state(evaluation, index),
           .final_state = part.final_state};
+}
+
+std::vector<std::string> eval_warnings(const EvalRequest& request) {
+  const Prepared prepared = prepare(request);
+  return wave_warnings(prepared.injections, prepared.setup.plant->spec());
 }
 
 std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes) {

@@ -43,6 +43,9 @@ struct EvalRow {
   std::vector<double> initial_state, final_state;
 };
 
+/// What was asked for and may well be meant, but should be known: one sentence each.
+std::vector<std::string> eval_warnings(const EvalRequest& request);
+
 /// Runs what was asked; policy_bytes is the content of the policy's file if it has one. Mistakes are Errors before any
 /// episode runs. Equal requests give equal bits.
 std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view policy_bytes);

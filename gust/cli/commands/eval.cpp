@@ -77,6 +77,7 @@ void check_options(const CLI::App& command, const EvalRequest& request) {
 
 std::vector<EvalRow> rows_of(const EvalRequest& request) {
   if (!request.study.empty()) return run_cell(request);
+  for (const std::string& warning : eval_warnings(request)) tell(cat("warning: ", warning));
   return run_eval(request, request.has_file() ? read_file(request.policy) : std::string());
 }
 
