@@ -169,6 +169,7 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
           .return_sum_commanded = part.return_commanded,
           .return_sum_disturbed = part.return_disturbed,
           .metrics = {},
+          .applies = {},
           .initial_state = start_state(evaluation, index),
           .final_state = part.final_state};
 }
@@ -194,6 +195,7 @@ std::vector<EvalRow> run_eval(const EvalRequest& request, std::string_view polic
   evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
     rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
     rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
+    rows.back().applies = metric_set.applying(evaluation.plant->spec());
   });
   return rows;
 }

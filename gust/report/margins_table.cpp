@@ -59,20 +59,19 @@ std::string micro_plot(const Page::Margin& margin, double end) {
 }
 
 std::string cell(const Page::Margin* margin, double end, bool ahead) {
-  if (!margin || std::isnan(margin->level.value)) return "<td class=\"missing\">–</td>";
-  const bool open_interval = margin->censored && !(margin->level.low < margin->level.value);
-  const std::string interval = open_interval ? "" : interval_text(margin->level, end);
+  if (!margin) return "<td class=\"missing\">–</td>";
+  const auto [value, interval] = margin_words(*margin);
   return cat("<td data-policy=\"", margin->policy, "\"", ahead ? " class=\"ahead\"" : "", "><span class=\"value\">",
-             margin->censored ? "≥ " : "", decimal(margin->level.value, end), "</span> <span class=\"interval\">",
-             interval, "</span>", micro_plot(*margin, end), "</td>");
+             escaped(value), "</span> <span class=\"interval\">", escaped(interval), "</span>",
+             std::isnan(margin->level.value) ? "" : micro_plot(*margin, end), "</td>");
 }
 
 std::string row_html(const Page& page, std::size_t start, std::size_t sweep_index, const Row& row) {
   const auto& sweep = page.sweeps[sweep_index];
   const double end = axis_end(sweep, row);
   const std::size_t winner = clear_winner(page, sweep_index, start);
-  std::string out = cat("<tr><th scope=\"row\">", escaped(sweep.waveform), " <span class=\"range\">to ",
-                        short_number(end), sweep.unit.empty() ? "" : "&nbsp;", escaped(sweep.unit), "</span></th>");
+  std::string out = cat("<tr><th scope=\"row\">", escaped(sweep.name), " <span class=\"range\">to ", short_number(end),
+                        sweep.unit.empty() ? "" : "&nbsp;", escaped(sweep.unit), "</span></th>");
   for (std::size_t p = 0; p < row.size(); ++p) out += cell(row[p], end, p == winner);
   return out + "</tr>\n";
 }
@@ -102,7 +101,7 @@ std::string table_html(const Page& page, std::size_t start, const Rows& rows) {
     std::string& body = bodies[group];
     if (++shown <= kMostRows) body += row_html(page, start, sweep, row);
   }
-  std::string out = cat("<div class=\"scroll margins\" data-start=\"", start,
+  std::string out = cat("<div class=\"scroll margins by-start\" data-start=\"", start,
                         "\" tabindex=\"0\" role=\"region\" aria-label=\"Margins, ", escaped(page.starts[start].title),
                         "\"><table style=\"--policies:", page.policies.size(), "\">\n", head_html(page, start));
   for (const auto& group : groups) {

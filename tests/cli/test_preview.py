@@ -54,7 +54,7 @@ def test_preview_of_a_step_rises_once_at_its_offset(gust, tmp_path):
     assert lines[0].startswith("        2 +") and lines[4].startswith("        0 +")
     top, bottom = (line.split("+", 1)[1] for line in (lines[0], lines[4]))
     rise = top.index("*")
-    assert rise == 72 * 50 // 250  # a fifth of the 72 columns
+    assert rise == 69 * 50 // 250  # a fifth of the 69 columns
     assert set(top[rise:]) == {"*"} and set(bottom[:rise]) == {"*"}
 
 
