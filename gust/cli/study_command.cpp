@@ -155,8 +155,9 @@ std::string summary_text(const Study& study, const Summary& summary) {
   for (const std::size_t start : starts_to_tell(study)) {
     const std::string table = margins_table(study, summary, start, columns);
     if (table.empty()) continue;
-    text += cat("Robustness margins, ", study.starts[start].name, " start: level where ", metric,
-                " falls to 90 % of undisturbed\n\n", table, "\n");
+    const std::string head = cat("Robustness margins, ", study.starts[start].name, " start: level where ", metric,
+                                 " falls to 90 % of undisturbed");
+    text += cat(wrapped(head, columns), "\n\n", table, "\n");
   }
   if (text.empty()) text = "No margins: nothing grows level by level. The page shows what was measured.\n\n";
   if (!summary.claims.empty()) text += cat("Claims\n\n", claims_table(summary, columns), "\n");

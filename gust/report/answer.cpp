@@ -149,7 +149,7 @@ std::string margin_html(const Page& page, const Page::Margin& margin) {
   const auto [value, interval] = margin_words(margin);
   const std::string& unit = page.sweeps[margin.sweep].unit;
   const bool number = !value.empty() && value.back() >= '0' && value.back() <= '9';
-  return cat(escaped(value), number && !unit.empty() ? cat("&nbsp;", escaped(unit)) : "",
+  return cat(escaped(value), number ? unit_html(unit) : "",
              interval.empty() ? "" : cat(" <span class=\"interval\">", escaped(interval), "</span>"));
 }
 

@@ -58,12 +58,24 @@ std::string micro_plot(const Page::Margin& margin, double end) {
   return cat("<svg class=\"micro\" height=\"12\" aria-hidden=\"true\">", marks, "</svg>");
 }
 
-std::string cell(const Page::Margin* margin, double end, bool ahead) {
+/// The same margin from the other starts, small.
+std::string from_other_starts(const Page& page, const Page::Margin& margin) {
+  std::string out;
+  for (const auto& other : page.margins) {
+    if (other.sweep != margin.sweep || other.policy != margin.policy || other.start == margin.start) continue;
+    out += cat("<small class=\"beside\">", escaped(page.starts[other.start].name), " ",
+               escaped(margin_words(other).value), "</small>");
+  }
+  return out;
+}
+
+std::string cell(const Page& page, const Page::Margin* margin, double end, bool ahead) {
   if (!margin) return "<td class=\"missing\">–</td>";
   const auto [value, interval] = margin_words(*margin);
   return cat("<td data-policy=\"", margin->policy, "\"", ahead ? " class=\"ahead\"" : "", "><span class=\"value\">",
              escaped(value), "</span> <span class=\"interval\">", escaped(interval), "</span>",
-             std::isnan(margin->level.value) ? "" : micro_plot(*margin, end), "</td>");
+             std::isnan(margin->level.value) ? "" : micro_plot(*margin, end), from_other_starts(page, *margin),
+             "</td>");
 }
 
 std::string row_html(const Page& page, std::size_t start, std::size_t sweep_index, const Row& row) {
@@ -71,8 +83,8 @@ std::string row_html(const Page& page, std::size_t start, std::size_t sweep_inde
   const double end = axis_end(sweep, row);
   const std::size_t winner = clear_winner(page, sweep_index, start);
   std::string out = cat("<tr><th scope=\"row\">", escaped(sweep.name), " <span class=\"range\">to ", short_number(end),
-                        sweep.unit.empty() ? "" : "&nbsp;", escaped(sweep.unit), "</span></th>");
-  for (std::size_t p = 0; p < row.size(); ++p) out += cell(row[p], end, p == winner);
+                        unit_html(sweep.unit), "</span></th>");
+  for (std::size_t p = 0; p < row.size(); ++p) out += cell(page, row[p], end, p == winner);
   return out + "</tr>\n";
 }
 

@@ -47,7 +47,10 @@ std::string answer_section(const Page& page, const std::vector<std::string>& lef
                table);
   }
   if (const std::string table = smallest_margins(page); !table.empty())
-    out += cat("<h3 id=\"smallest\">Smallest margins</h3>\n<p class=\"lead\">Of each site.</p>\n", table);
+    out +=
+        cat("<h3 id=\"smallest\">Smallest margins</h3>\n<p class=\"lead\">Of each site, from the start that is chosen "
+            "above.</p>\n",
+            table);
   return out;
 }
 

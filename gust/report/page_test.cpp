@@ -62,7 +62,7 @@ TEST_CASE("a page of one policy has its curves, its margin and no ranking") {
   const std::string html = render_page(small_page(3));
 
   CHECK(holds(html, "id=\"figure-curves\""));
-  CHECK(holds(html, "<span class=\"value\">0.50</span>"));
+  CHECK(holds(html, "<span class=\"value\">0.5</span>"));
   CHECK_FALSE(holds(html, "tolerates the most"));
   CHECK_FALSE(holds(html, "clearly ahead.</li>"));
 }
