@@ -10,18 +10,20 @@ const draw = {
   replay: replayFigure,
 };
 
-/** The choice of start for the table of margins. */
-function startMargins() {
-  const tables = [...root.querySelectorAll('.margins')];
+/** The answer and the tables of margins are there once a start; the reader chooses which. */
+function startChoices() {
+  const parts = [...root.querySelectorAll('.by-start')];
+  const startOf = (part) => Number(part.dataset.start);
+  const starts = distinct(parts.map(startOf));
   const update = () => {
-    const shown = tables.find((table) => Number(table.dataset.start) === state.start) ?? tables[0];
-    for (const table of tables) table.hidden = table !== shown;
+    const shown = starts.includes(state.start) ? state.start : starts[0];
+    for (const part of parts) part.hidden = startOf(part) !== shown;
   };
-  root.querySelector('#margin-choices')?.append(startChoice(tables.map((table) => Number(table.dataset.start))));
+  for (const place of root.querySelectorAll('.start-choices')) place.append(startChoice(starts));
   onChange(update);
   update();
 }
 
-startMargins();
+startChoices();
 for (const key of root.querySelectorAll('.key[data-policy]')) key.replaceWith(swatch(Number(key.dataset.policy)));
 for (const figure of root.querySelectorAll('[data-figure]')) draw[figure.dataset.figure](figure);

@@ -20,7 +20,7 @@ function isLog(sweep) {
 }
 
 function sweepTitle(sweep) {
-  return sweep.site ? `${sweep.site} · ${sweep.waveform}` : sweep.waveform;
+  return sweep.name;
 }
 
 /** The levels at which a curve was measured: the sweep's, and those that its margin asked for. */
@@ -178,9 +178,10 @@ function siteFigure(figure, {name, metric, strip, chooseMetric}) {
   for (const row of rows) {
     lines.append(element('div', {class: 'row-head'}, glyph(row.waveform), element('span', {}, row.waveform)));
     for (const site of sites) {
+      const index = row.cells.get(site);
       const host = element('div', {class: 'panel', 'data-site': site});
-      lines.append(host);
-      if (row.cells.has(site)) sweepChart(host, row.cells.get(site), {metric, strip});
+      lines.append(index === undefined ? host : element('div', {class: 'named'}, element('h4', {}, sweepTitle(data.sweeps[index])), host));
+      if (index !== undefined) sweepChart(host, index, {metric, strip});
     }
   }
   body.append(choices(sweeps, chooseMetric), lines);

@@ -3,13 +3,12 @@
 
 #include "gust/cli/catalogue.h"
 #include "gust/cli/help_format.h"
+#include "gust/core/text.h"
 
 namespace gust {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kWidth = 100;
 
 std::size_t longest_name(const std::vector<CatalogueKind>& kinds) {
   std::size_t longest = 0;
@@ -30,7 +29,7 @@ std::string field_text(const FieldInfo& field) {
   const std::string head =
       cat("  ", field.name, " = ", field.standard, field.unit.empty() ? "" : cat(" [", field.unit, "]"));
   const std::string range = field.range.empty() ? field.type : field.range;
-  return cat(head, "\n", indented(indented(wrapped(cat(field.help, "; ", range), kWidth - 6))), "\n");
+  return cat(head, "\n", indented(indented(wrapped(cat(field.help, "; ", range), text_columns() - 6))), "\n");
 }
 
 Json list_of(const CatalogueKind& kind) {
@@ -51,8 +50,8 @@ std::string list_text(const std::vector<CatalogueKind>& kinds) {
   for (const CatalogueKind& kind : kinds) {
     if (kinds.size() > 1) text += cat(text.empty() ? "" : "\n", kind.plural, "\n");
     for (const CatalogueItem& item : kind.items) {
-      const std::string line = fmt::format("  {:<{}}  {}", item.name, width, item.summary);
-      text += cat("  ", wrapped(line.substr(2), kWidth - 2, width + 4), "\n");
+      const std::size_t room = text_columns() - std::min(text_columns(), width + 4);
+      text += fmt::format("  {:<{}}  {}\n", item.name, width, wrapped(item.summary, room, width + 4));
     }
   }
   return text;
@@ -68,11 +67,12 @@ std::string list_json(const std::vector<CatalogueKind>& kinds) {
 
 std::string describe_text(const CatalogueKind& kind, const CatalogueItem& item) {
   if (kind.name == "command") return item.text;
-  std::string text =
-      wrapped(cat(item.name, ", ", kind.name == "agent" ? "an " : "a ", kind.name, ": ", item.summary), kWidth) + "\n";
-  if (!item.source.empty()) text += wrapped(cat("Source: ", item.source), kWidth) + "\n";
+  std::string text = wrapped(cat(item.name, ", ", kind.name == "agent" ? "an " : "a ", kind.name, ": ", item.summary),
+                             text_columns()) +
+                     "\n";
+  if (!item.source.empty()) text += wrapped(cat("Source: ", item.source), text_columns()) + "\n";
   for (const auto& [heading, note] : item.notes)
-    text += cat("\n", heading, "\n", indented(wrapped(note, kWidth)), "\n");
+    text += cat("\n", heading, "\n", indented(wrapped(note, text_columns() - 2)), "\n");
   if (!item.fields.empty()) text += "\noptions\n";
   for (const FieldInfo& field : item.fields) text += field_text(field);
   if (!item.text.empty()) text += cat("\ncontent\n", indented(item.text), "\n");

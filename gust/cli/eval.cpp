@@ -206,6 +206,7 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
           .return_sum_commanded = part.return_commanded,
           .return_sum_disturbed = part.return_disturbed,
           .metrics = {},
+          .applies = {},
           .initial_state = start_state(evaluation, index),
           .final_state = part.final_state,
           .not_finite = action ? not_finite_text(*action, evaluation.plant->spec()) : std::string()};
@@ -216,6 +217,7 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, c
   for (const std::string& warning : plant_warnings(prepared.setup)) tell(cat("warning: ", warning));
   const FilePolicy file = prepare_policy(request, prepared.setup, policy_bytes, data);
   const PlantSpec& spec = prepared.setup.plant->spec();
+  for (const std::string& warning : wave_warnings(prepared.injections, spec)) tell(cat("warning: ", warning));
   const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
                               .readings = prepared.setup.readings,
                               .injections = prepared.injections,
@@ -229,6 +231,7 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, c
   evaluate(evaluation, *file.policy, [&](const EpisodeIndex& index, const Episode& episode) {
     rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
     rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
+    rows.back().applies = metric_set.applying(evaluation.plant->spec());
   });
   result.notes.push_back(file.unit_warning);
   const bool undisturbed = prepared.injections.empty() && request.parameters.empty();

@@ -43,6 +43,7 @@ struct EvalRow {
   double return_sum_commanded = 0;
   double return_sum_disturbed = 0;
   std::vector<double> metrics;  ///< in the order of MetricSet; what a part of the episode decides is over its steps
+  std::vector<bool> applies;    ///< which of them the plant has
   std::vector<double> initial_state, final_state;
   std::string not_finite;  ///< of the first action that was NaN or infinite: step and state; empty if there was none
 };
@@ -61,7 +62,7 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, c
 /// The metrics are the numbers that the study has or would have there.
 std::vector<EvalRow> run_cell(const EvalRequest& request);
 
-/// The row of an episode, without its metrics.
+/// The row of an episode, without its metrics and which of them apply.
 EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const Episode& episode, bool terminate);
 
 /// How many episodes were asked for, else the standard.
@@ -70,7 +71,8 @@ std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard)
 /// The rows as a JSON array of objects; numbers in the shortest form that reads back, what is no finite number as null.
 std::string eval_json(const std::vector<EvalRow>& rows);
 
-/// The rows as a table to read: mean, least and greatest of every number over the episodes.
+/// The rows as a table to read: mean, least and greatest of every number over the episodes, with its unit. What the
+/// plant does not have is left out.
 std::string eval_table(const std::vector<EvalRow>& rows);
 
 }  // namespace gust

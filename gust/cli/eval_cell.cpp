@@ -40,6 +40,7 @@ void add_rows(const OpenStudy& open, const Trial& trial, std::vector<EvalRow>& r
     row.seed = study.policies[trial.policy].member(trial.member);
     row.metrics.resize(study.metric_set.size());
     measure(study, episode, row.metrics);
+    row.applies = study.metric_set.applying(task->evaluation.plant->spec());
   });
 }
 

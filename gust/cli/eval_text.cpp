@@ -40,7 +40,8 @@ std::string json_row(const EvalRow& row, const MetricSet& metrics) {
 }
 
 template <class NumberOf>
-std::string table_line(std::string_view name, const std::vector<EvalRow>& rows, NumberOf&& number_of) {
+std::string table_line(const std::string& name, std::string_view unit, const std::vector<EvalRow>& rows,
+                       NumberOf&& number_of) {
   double sum = 0;
   double least = number_of(rows.front());
   double greatest = least;
@@ -51,7 +52,8 @@ std::string table_line(std::string_view name, const std::vector<EvalRow>& rows, 
     greatest = std::fmax(greatest, number);
   }
   const double mean = sum / static_cast<double>(rows.size());
-  return format("{:<22}  {:>12.6g}  {:>12.6g}  {:>12.6g}\n", name, mean, least, greatest);
+  const std::string head = unit.empty() ? name : cat(name, " [", unit, "]");
+  return format("{:<22}  {:>12.6g}  {:>12.6g}  {:>12.6g}\n", head, mean, least, greatest);
 }
 
 }  // namespace
@@ -68,10 +70,11 @@ std::string eval_table(const std::vector<EvalRow>& rows) {
   const auto failed = std::ranges::count_if(rows, [](const EvalRow& row) { return row.failed; });
   std::string text = cat(rows.size(), rows.size() == 1 ? " episode, " : " episodes, ", failed, " failed\n\n");
   text += fmt::format("{:<22}  {:>12}  {:>12}  {:>12}\n", "", "mean", "least", "greatest");
-  text += table_line("return_sum_commanded", rows, [](const EvalRow& row) { return row.return_sum_commanded; });
-  text += table_line("return_sum_disturbed", rows, [](const EvalRow& row) { return row.return_sum_disturbed; });
+  text += table_line("return_sum_commanded", "", rows, [](const EvalRow& row) { return row.return_sum_commanded; });
+  text += table_line("return_sum_disturbed", "", rows, [](const EvalRow& row) { return row.return_sum_disturbed; });
   for (std::size_t i = 0; i < metrics.size(); ++i) {
-    text += table_line(metrics.name(i), rows, [i](const EvalRow& row) { return row.metrics[i]; });
+    if (!rows.front().applies[i]) continue;
+    text += table_line(metrics.name(i), metrics[i].unit(), rows, [i](const EvalRow& row) { return row.metrics[i]; });
   }
   return text;
 }

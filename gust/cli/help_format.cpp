@@ -1,38 +1,51 @@
 #include "gust/cli/help_format.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <sstream>
+
+#include "gust/cli/command.h"
+#include "gust/core/text.h"
 
 namespace gust {
 namespace {
 
-constexpr std::size_t kWidth = 100;
 constexpr std::size_t kNames = 28;  // columns for the names of options and commands
 
-void append_wrapped(std::string& to, std::string_view line, std::size_t width, std::size_t indent) {
-  const bool as_it_is = line.starts_with(' ');
-  while (!as_it_is && line.size() > width) {
-    std::size_t end = line.rfind(' ', width);
-    if (end == std::string_view::npos) end = line.find(' ');
-    if (end == std::string_view::npos) break;
-    to.append(line.substr(0, end)).append("\n").append(indent, ' ');
-    line.remove_prefix(end + 1);
-  }
-  to.append(line);
+/// A text whose lines are wrapped, those of examples as command lines.
+std::string help_text(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);)
+    lines.push_back(line.starts_with("  ") ? wrapped_command(line, text_columns()) : wrapped(line, text_columns()));
+  return join(lines, "\n");
 }
 
 }  // namespace
 
-std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
+std::size_t text_columns() {
+  constexpr std::size_t kMost = 100;  // longer lines read badly
+  constexpr std::size_t kLeast = 40;
+  return std::clamp(terminal_columns(STDOUT_FILENO, kMost), kLeast, kMost);
+}
+
+std::string wrapped_command(std::string_view line, std::size_t width) {
+  constexpr std::string_view kOption = " --";
+  constexpr std::string_view kBreak = " \\\n     ";
   std::string to;
-  while (true) {
-    const std::size_t end = text.find('\n');
-    append_wrapped(to, text.substr(0, end), width, indent);
-    if (end == std::string_view::npos) return to;
-    to += '\n';
-    text.remove_prefix(end + 1);
+  std::size_t room = width;
+  while (text_width(line) > room) {
+    const std::size_t least = room - std::min(room, std::size_t{2});  // " \\" takes two columns
+    std::size_t end = line.rfind(kOption, least);
+    if (end == line.npos || end == 0) end = line.find(kOption, 1);
+    if (end == line.npos) break;
+    to.append(line.substr(0, end)).append(kBreak);
+    line.remove_prefix(end);
+    room = width - 5;
   }
+  return to.append(line);
 }
 
 HelpFormat::HelpFormat() {
@@ -43,22 +56,22 @@ HelpFormat::HelpFormat() {
 }
 
 std::string HelpFormat::make_description(const CLI::App* app) const {
-  return wrapped(app->get_description(), kWidth) + "\n\n";
+  return help_text(app->get_description()) + "\n\n";
 }
 
 std::string HelpFormat::make_footer(const CLI::App* app) const {
-  return app->get_footer().empty() ? std::string() : wrapped(app->get_footer(), kWidth) + "\n";
+  return app->get_footer().empty() ? std::string() : help_text(app->get_footer()) + "\n";
 }
 
 std::string HelpFormat::make_subcommand(const CLI::App* command) const {
   std::string first = command->get_description();
   first.resize(std::min(first.find('\n'), first.size()));
   if (first.ends_with('.')) first.pop_back();
-  return fmt::format("  {:<{}}{}\n", command->get_name(), kNames - 2, first);
+  return fmt::format("  {:<{}}{}\n", command->get_name(), kNames - 2, wrapped(first, text_columns() - kNames, kNames));
 }
 
 std::string HelpFormat::make_option_desc(const CLI::Option* option) const {
-  return wrapped(option->get_description(), kWidth - kNames);  // CLI11 indents each line
+  return wrapped(option->get_description(), text_columns() - kNames);  // CLI11 indents each line
 }
 
 }  // namespace gust

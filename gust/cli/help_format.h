@@ -6,11 +6,13 @@
 
 namespace gust {
 
-/// Breaks lines at spaces so that none is longer than `width`; further lines of a broken one begin with `indent`
-/// spaces. Lines that begin with a space, such as examples, stay as they are.
-std::string wrapped(std::string_view text, std::size_t width, std::size_t indent = 0);
+/// How many columns texts on stdout may take: those of the terminal, at most 100 and at least 40.
+std::size_t text_columns();
 
-/// How help looks: wrapped text, and one line a command in the list of commands.
+/// An example of a command line, broken before options with the shell's "\\" where it is wider than `width` columns.
+std::string wrapped_command(std::string_view line, std::size_t width);
+
+/// How help looks: text and examples that are wrapped to the terminal.
 class HelpFormat final : public CLI::Formatter {
  public:
   HelpFormat();

@@ -156,14 +156,15 @@ std::string summary_text(const Study& study, const Summary& summary) {
   std::string text;
   const std::size_t columns = terminal_columns(STDOUT_FILENO, 100);
   const std::string metric = study.metric_set.name(summary.margin_metric);
-  for (std::size_t start = 0; start < study.starts.size(); ++start) {
+  for (const std::size_t start : starts_to_tell(study)) {
     const std::string table = margins_table(study, summary, start, columns);
     if (table.empty()) continue;
-    text += cat("Robustness margins, ", study.starts[start].name, " start: level where ", metric,
-                " falls to 90 % of nominal\n\n", table, "\n");
+    const std::string head = cat("Robustness margins, ", study.starts[start].name, " start: level where ", metric,
+                                 " falls to 90 % of undisturbed");
+    text += cat(wrapped(head, columns), "\n\n", table, "\n");
   }
   if (text.empty()) text = "No margins: nothing grows level by level. The page shows what was measured.\n\n";
-  if (!summary.claims.empty()) text += cat("Claims\n\n", claims_table(summary), "\n");
+  if (!summary.claims.empty()) text += cat("Claims\n\n", claims_table(summary, columns), "\n");
   return text;
 }
 

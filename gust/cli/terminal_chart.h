@@ -7,7 +7,7 @@ namespace gust {
 
 /// How a chart is drawn in a terminal.
 struct ChartStyle {
-  std::size_t columns = 72;  ///< of the drawing; labels come on top
+  std::size_t columns = 69;  ///< of the drawing; the labels before it take 11 more
   std::size_t rows = 5;
   bool unicode = true;  ///< dots of Braille patterns, two by four a character; else stars
 };

@@ -36,6 +36,27 @@ std::string_view wide_encoding(std::string_view bytes) {
   return bytes.size() > 1 && (bytes[0] == '\0') != (bytes[1] == '\0') ? "UTF-16" : "";
 }
 
+/// The last space that leaves at most `width` columns before it, else the first one; npos if there is none.
+std::size_t break_of(std::string_view line, std::size_t width) {
+  std::size_t best = std::string_view::npos;
+  for (std::size_t at = line.find(' '); at != std::string_view::npos; at = line.find(' ', at + 1)) {
+    if (best != std::string_view::npos && text_width(line.substr(0, at)) > width) break;
+    best = at;
+  }
+  return best;
+}
+
+void append_wrapped(std::string& to, std::string_view line, std::size_t width, std::size_t indent) {
+  const bool as_it_is = line.starts_with(' ');
+  while (!as_it_is && text_width(line) > width) {
+    const std::size_t end = break_of(line, width);
+    if (end == std::string_view::npos) break;
+    to.append(line.substr(0, end)).append("\n").append(indent, ' ');
+    line.remove_prefix(end + 1);
+  }
+  to.append(line);
+}
+
 }  // namespace
 
 std::string_view utf8_text(std::string_view bytes, std::string_view name) {
@@ -97,6 +118,21 @@ std::string slug(std::string_view text, std::size_t most) {
   }
   while (!result.empty() && result.back() == '-') result.pop_back();
   return result.substr(0, most);
+}
+
+std::size_t text_width(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
+  std::string to;
+  while (true) {
+    const std::size_t end = text.find('\n');
+    append_wrapped(to, text.substr(0, end), width, indent);
+    if (end == std::string_view::npos) return to;
+    to += '\n';
+    text.remove_prefix(end + 1);
+  }
 }
 
 std::string shell_word(const std::string& text) {

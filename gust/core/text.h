@@ -26,6 +26,14 @@ std::string_view utf8_text(std::string_view bytes, std::string_view name);
 /// The text's letters and digits as a part of a file's name, "action-step", of at most so many characters.
 std::string slug(std::string_view text, std::size_t most = 100);
 
+/// How many columns of a terminal a UTF-8 text takes, one a code point.
+std::size_t text_width(std::string_view text);
+
+/// Breaks lines at spaces so that none is wider than `width` columns; before further lines of a broken one stand
+/// `indent` spaces, which are not counted. A word that is wider stays whole. Lines that begin with a space, such as
+/// examples, stay as they are.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent = 0);
+
 /// The text as one word of a POSIX shell, quoted where it must be.
 std::string shell_word(const std::string& text);
 

@@ -70,3 +70,22 @@ TEST_CASE("a text becomes one word of a shell, quoted only where it must be") {
   CHECK(shell_word("") == "''");
   CHECK(shell_word("it's $HOME") == "'it'\\''s $HOME'");
 }
+
+TEST_CASE("text is wrapped at spaces, and only where it is too long") {
+  CHECK(wrapped("one two three", 7) == "one two\nthree");
+  CHECK(wrapped("one two three", 13) == "one two three");
+  CHECK(wrapped("one two three", 12, 2) == "one two\n  three");
+  CHECK(wrapped("a\n\nb c", 3) == "a\n\nb c");
+}
+
+TEST_CASE("a word that is longer than the line stays whole, and examples stay as they are") {
+  CHECK(wrapped("incomprehensible it is", 6) == "incomprehensible\nit is");
+  CHECK(wrapped("  gust eval lqr --plant cartpole", 10) == "  gust eval lqr --plant cartpole");
+  CHECK(wrapped("", 10) == "");
+}
+
+TEST_CASE("wrapping counts letters, not bytes, and not the indent") {
+  CHECK(text_width("θ ≥ 5") == 5);
+  CHECK(wrapped("θ ≥ 5", 5) == "θ ≥ 5");
+  CHECK(wrapped("aaa bbb cc dd", 7, 4) == "aaa bbb\n    cc dd");
+}

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace gust {
 namespace {
@@ -81,6 +82,21 @@ Made<Waveform> read_waveform(const Value& value) {
   return waveforms().make(value.as_table("waveform"));
 }
 
+/// A wave that the control rate is too slow to show: sampled, it is another one or none.
+void check_frequency(const Value& waveform, const Injection& injection, double rate) {
+  const double frequency = injection.waveform->frequency();
+  if (frequency < rate / 2) return;
+  const double alias = std::abs(std::remainder(frequency, rate));
+  const std::string what = alias == 0          ? std::string("it vanishes")
+                           : alias == rate / 2 ? std::string("two samples a period leave nothing of its shape")
+                                               : fmt::format("it acts as one of {:.6g} Hz", alias);
+  const auto* table = std::get_if<Table>(&waveform.data);
+  const Value* key = table ? table->find("frequency") : nullptr;
+  throw error_at(key ? key->place : waveform.place, "a ", injection.waveform.kind, " of ", frequency,
+                 " Hz is sampled at ", rate, " Hz: ", what, "; its frequency must be below ", rate / 2,
+                 " Hz, half the control rate");
+}
+
 }  // namespace
 
 std::string_view site_name(Site site) { return kSiteNames[static_cast<int>(site)]; }
@@ -136,6 +152,7 @@ Injection read_injection(const Table& table, const PlantSpec& spec, const std::v
     throw error_at(waveform->place, "the waveform's 'offset' must lie within the episode of ", spec.steps,
                    " control steps, got ", injection.waveform->onset());
   }
+  check_frequency(*waveform, injection, spec.control_rate);
   if (const Value* level = table.find("level")) injection.level = level->as_number("level");
   return injection;
 }

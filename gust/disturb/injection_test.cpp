@@ -219,3 +219,35 @@ TEST_CASE("signals are at level 1, so that noise scales linearly along the level
 
   CHECK(channel(a, 0, 0) == channel(b, 0, 0));
 }
+
+TEST_CASE("a wave at or above half the control rate is an error that says what sampling makes of it") {
+  const auto error = [](const char* kind, double frequency) {
+    return error_of(
+        {{"site", word("action")}, {"waveform", table({{"kind", word(kind)}, {"frequency", number(frequency)}})}});
+  };
+  const std::string right = "; its frequency must be below 25 Hz, half the control rate";
+
+  CHECK(error("sine", 24.9).empty());
+  CHECK(error("sine", 50).ends_with("a sine of 50 Hz is sampled at 50 Hz: it vanishes" + right));
+  CHECK(error("triangle", 49).ends_with("a triangle of 49 Hz is sampled at 50 Hz: it acts as one of 1 Hz" + right));
+  CHECK(error("sawtooth", 125)
+            .ends_with("a sawtooth of 125 Hz is sampled at 50 Hz: two samples a period leave nothing of its shape" +
+                       right));
+}
+
+TEST_CASE("every waveform with a frequency is held to the control rate, and no other") {
+  for (const Entry<Waveform>& entry : waveforms().entries()) {
+    CAPTURE(entry.name);
+    const bool periodic =
+        std::ranges::any_of(entry.fields, [](const FieldInfo& field) { return field.name == "frequency"; });
+
+    CHECK((waveform(entry.name)->frequency() > 0) == periodic);
+    if (!periodic) continue;
+    const auto with = [&](double frequency) {
+      return error_of({{"site", word("observation")},
+                       {"waveform", table({{"kind", word(entry.name)}, {"frequency", number(frequency)}})}});
+    };
+    CHECK(with(24).empty());
+    CHECK(with(25).find("half the control rate") != std::string::npos);
+  }
+}

@@ -23,6 +23,9 @@ class Waveform {
 
   /// The last control step at which the shape begins to act, for windows that can be checked; 0 if from the start.
   virtual std::int64_t onset() const = 0;
+
+  /// Periods per second of a wave that repeats [Hz], its harmonics not counted; 0 if it does not repeat.
+  virtual double frequency() const = 0;
 };
 
 /// Every waveform there is, in the order of waveforms/list.inc.

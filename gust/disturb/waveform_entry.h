@@ -7,7 +7,8 @@
 namespace gust {
 
 /// The waveform of a struct of options with `void fill(std::span<double>, double rate, Rng) const`. It is random if
-/// the struct says `static constexpr bool kRandom = true`.
+/// the struct says `static constexpr bool kRandom = true`. The options `offset` [control steps] and `frequency` [Hz]
+/// say when the shape begins and how often it repeats.
 template <class Options>
 class OptionsWaveform final : public Waveform {
  public:
@@ -20,6 +21,10 @@ class OptionsWaveform final : public Waveform {
   }
   std::int64_t onset() const override {
     if constexpr (requires { options_.offset; }) return options_.offset;
+    return 0;
+  }
+  double frequency() const override {
+    if constexpr (requires { options_.frequency; }) return options_.frequency;
     return 0;
   }
 

@@ -26,4 +26,10 @@ std::size_t MetricSet::index(std::string_view name, const Place& place) const {
   return i;
 }
 
+std::vector<bool> MetricSet::applying(const PlantSpec& spec) const {
+  std::vector<bool> applying;
+  for (const Made<Metric>& metric : made_) applying.push_back(metric->applies(spec));
+  return applying;
+}
+
 }  // namespace gust

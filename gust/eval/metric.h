@@ -14,6 +14,8 @@ class Metric {
   virtual double value(const Episode& episode) const = 0;
   virtual bool higher_is_better() const = 0;
   virtual std::string_view unit() const = 0;
+  /// Whether a plant has what is measured; elsewhere the value says nothing.
+  virtual bool applies(const PlantSpec& spec) const = 0;
 };
 
 /// Every metric there is, in the order of metrics/list.inc.
@@ -28,6 +30,8 @@ class MetricSet {
   const Metric& operator[](std::size_t index) const { return *made_[index].object; }
   /// The position of a name; an unknown one is an Error at the place with the nearest name.
   std::size_t index(std::string_view name, const Place& place) const;
+  /// Which of them apply to a plant.
+  std::vector<bool> applying(const PlantSpec& spec) const;
 
  private:
   std::vector<Made<Metric>> made_;

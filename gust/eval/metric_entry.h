@@ -8,7 +8,8 @@
 namespace gust {
 
 /// The metric of a struct with `static constexpr bool kHigherIsBetter`, `static constexpr std::string_view kUnit` and
-/// `double value(const Episode&) const`.
+/// `double value(const Episode&) const`. It is one of all plants, or of those that `static bool applies(const
+/// PlantSpec&)` names.
 template <class Options>
 class OptionsMetric final : public Metric {
  public:
@@ -16,6 +17,10 @@ class OptionsMetric final : public Metric {
   double value(const Episode& episode) const override { return options_.value(episode); }
   bool higher_is_better() const override { return Options::kHigherIsBetter; }
   std::string_view unit() const override { return Options::kUnit; }
+  bool applies(const PlantSpec& spec) const override {
+    if constexpr (requires { Options::applies(spec); }) return Options::applies(spec);
+    return true;
+  }
 
  private:
   Options options_;
@@ -35,6 +40,11 @@ inline double steps_of(const EpisodePart& part) { return static_cast<double>(par
 inline double rmse_all(const EpisodePart& part) { return std::sqrt(part.squared_error / steps_of(part)); }
 inline double rmse_masked(const EpisodePart& part) { return std::sqrt(part.squared_masked_error / steps_of(part)); }
 inline double root_sum(const EpisodePart& part) { return std::sqrt(part.squared_error); }
+
+/// Whether a plant's state has a component of this name at a position.
+inline bool has_state(const PlantSpec& spec, std::size_t component, std::string_view name) {
+  return component < spec.state.size() && spec.state[component].name == name;
+}
 
 /// The largest size of a state component; NaN where a state was no number, which makes the sum of errors NaN too.
 inline double max_abs(const EpisodePart& part, std::size_t component) {

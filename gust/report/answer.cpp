@@ -70,14 +70,14 @@ std::vector<std::string> sites_of(const Page& page) {
   return sites;
 }
 
-/// "ppo holds longest in 9 of 15 disturbances, lqr in 3; in 3 no policy is clearly ahead."
-std::string ranking(const Page& page) {
+/// "ppo tolerates the most under 9 of 15 disturbances, lqr under 3; under 3 no policy is clearly ahead."
+std::string ranking(const Page& page, std::size_t start) {
   std::vector<std::size_t> wins(page.policies.size(), 0);
   std::size_t compared = 0;
   for (std::size_t s = 0; s < page.sweeps.size(); ++s) {
-    if (page.sweeps[s].site.empty() || margins_of(page, s, 0).size() < 2) continue;
+    if (page.sweeps[s].site.empty() || margins_of(page, s, start).size() < 2) continue;
     ++compared;
-    const std::size_t winner = clear_winner(page, s, 0);
+    const std::size_t winner = clear_winner(page, s, start);
     if (winner != Page::kNone) ++wins[winner];
   }
   if (compared == 0) return "";
@@ -90,7 +90,7 @@ std::string ranking(const Page& page) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wins[a] > wins[b]; });
   std::vector<std::string> parts;
   for (const std::size_t p : order) {
-    const std::string holds = parts.empty() ? cat(" stands the most under ", wins[p], " of ",
+    const std::string holds = parts.empty() ? cat(" tolerates the most under ", wins[p], " of ",
                                                   counted(compared, "disturbance", "disturbances"))
                                             : cat(" under ", wins[p]);
     parts.push_back(policy_html(page, p) + holds);
@@ -104,13 +104,13 @@ std::string ranking(const Page& page) {
 
 /// "ppo (0.31) is not ranked: undisturbed it scores less than 90 % of the best, lqr (0.98); a margin is a fall from a
 /// policy's own score."
-std::string not_ranked(const Page& page) {
-  const std::size_t best = best_undisturbed(page, 0);
+std::string not_ranked(const Page& page, std::size_t start) {
+  const std::size_t best = best_undisturbed(page, start);
   const auto scored = [&](std::size_t policy) {
-    return cat(policy_html(page, policy), " (", short_number(undisturbed(page, policy, 0)), ")");
+    return cat(policy_html(page, policy), " (", short_number(undisturbed(page, policy, start)), ")");
   };
   std::vector<std::string> parts;
-  for (const std::size_t policy : short_of_best(page, 0)) parts.push_back(scored(policy));
+  for (const std::size_t policy : short_of_best(page, start)) parts.push_back(scored(policy));
   if (parts.empty()) return "";
   const bool one = parts.size() == 1;
   return cat(join(parts, ", "), one ? " is" : " are", " not ranked: undisturbed ", one ? "it scores" : "they score",
@@ -118,29 +118,18 @@ std::string not_ranked(const Page& page) {
              "; a margin is a fall from a policy’s own score.");
 }
 
-/// The smallest margin on each site: "On the action site ppo goes first, under step at 11.8 N [11.2, 12.1]."
-std::string first_to_fall(const Page& page, const std::string& site) {
+/// The smallest margin on each site: "On the action site the first to fall is ppo, under "a step" at 11.8 N."
+std::string first_to_fall(const Page& page, const std::string& site, std::size_t start) {
   const Page::Margin* first = nullptr;
   for (const auto& margin : page.margins) {
-    if (margin.start != 0 || page.sweeps[margin.sweep].site != site || std::isnan(margin.level.value)) continue;
+    if (margin.start != start || page.sweeps[margin.sweep].site != site || std::isnan(margin.level.value)) continue;
     if (!margin.censored && (!first || margin.level.value < first->level.value)) first = &margin;
   }
   if (!first)
     return cat("On the <b>", escaped(site), "</b> site nothing on the grid costs more than ",
                percent(1 - page.margin_share), " of the score.");
   return cat("On the <b>", escaped(site), "</b> site the first to fall is ", policy_html(page, first->policy),
-             ", under ", escaped(page.sweeps[first->sweep].waveform), " at ", margin_html(page, *first), ".");
-}
-
-std::string worst_cell(const Page& page) {
-  const auto& cell = page.worst.front();
-  const auto& sweep = page.sweeps[cell.sweep];
-  const std::string unit = sweep.unit.empty() ? "" : cat("&nbsp;", escaped(sweep.unit));
-  const std::string nominal =
-      std::isnan(cell.nominal) ? "" : cat(", against ", decimal(cell.nominal, 1), " undisturbed");
-  return cat("The worst cell measured is ", policy_html(page, cell.policy), " under ", escaped(sweep.site), " ",
-             escaped(sweep.waveform), " at ", short_number(cell.level), unit, ": ", decimal(cell.score.value, 1),
-             nominal, ".");
+             ", under ", escaped(page.sweeps[first->sweep].name), " at ", margin_html(page, *first), ".");
 }
 
 }  // namespace
@@ -151,14 +140,17 @@ double undisturbed(const Page& page, std::size_t policy, std::size_t start) {
   return at == page.margins.end() ? Page::kUnknown : at->nominal;
 }
 
+MarginWords margin_words(const Page::Margin& margin) {
+  const std::size_t end = margin.text.find(" [");
+  return {margin.text.substr(0, end), end == std::string::npos ? "" : margin.text.substr(end + 1)};
+}
+
 std::string margin_html(const Page& page, const Page::Margin& margin) {
+  const auto [value, interval] = margin_words(margin);
   const std::string& unit = page.sweeps[margin.sweep].unit;
-  const auto& levels = page.sweeps[margin.sweep].levels;
-  const double scale = levels.empty() ? margin.level.value : levels.back();
-  const std::string interval = interval_text(margin.level, scale);
-  return cat(margin.censored ? "≥&nbsp;" : margin.at_most ? "≤&nbsp;" : "", decimal(margin.level.value, scale), unit.empty() ? "" : "&nbsp;",
-             escaped(unit),
-             interval.empty() || margin.censored || margin.at_most ? "" : cat(" <span class=\"interval\">", interval, "</span>"));
+  const bool number = !value.empty() && value.back() >= '0' && value.back() <= '9';
+  return cat(escaped(value), number ? unit_html(unit) : "",
+             interval.empty() ? "" : cat(" <span class=\"interval\">", escaped(interval), "</span>"));
 }
 
 std::size_t clear_winner(const Page& page, std::size_t sweep, std::size_t start) {
@@ -173,15 +165,13 @@ std::size_t clear_winner(const Page& page, std::size_t sweep, std::size_t start)
   return Page::kNone;
 }
 
-std::vector<std::string> answer_html(const Page& page) {
+std::vector<std::string> answer_html(const Page& page, std::size_t start) {
   std::vector<std::string> out;
-  for (const auto& sentence : page.answer) out.push_back(escaped(sentence));
-  if (!page.margins.empty()) {
-    if (const std::string sentence = ranking(page); !sentence.empty()) out.push_back(sentence);
-    if (const std::string sentence = not_ranked(page); !sentence.empty()) out.push_back(sentence);
-    for (const auto& site : sites_of(page)) out.push_back(first_to_fall(page, site));
-  }
-  if (!page.worst.empty()) out.push_back(worst_cell(page));
+  const bool any = std::ranges::any_of(page.margins, [&](const auto& margin) { return margin.start == start; });
+  if (!any) return out;
+  if (const std::string sentence = ranking(page, start); !sentence.empty()) out.push_back(sentence);
+  if (const std::string sentence = not_ranked(page, start); !sentence.empty()) out.push_back(sentence);
+  for (const auto& site : sites_of(page)) out.push_back(first_to_fall(page, site, start));
   return out;
 }
 

@@ -7,7 +7,14 @@
 
 namespace gust {
 
-/// "0.46 N [0.44, 0.49]", "≥ 15 N" where the grid ended first; unit as in the sweep. HTML.
+/// The text of a margin in two parts: "0.46", "≥ 15" or whatever stands for it, and the interval or nothing.
+struct MarginWords {
+  std::string value;
+  std::string interval;
+};
+MarginWords margin_words(const Page::Margin& margin);
+
+/// "0.46 N [0.44, 0.49]": the text of a margin with the unit of its sweep behind a number. HTML.
 std::string margin_html(const Page& page, const Page::Margin& margin);
 
 /// The score of a policy that nothing disturbs, as its margins have it; NaN where it is not known.
@@ -18,8 +25,8 @@ double undisturbed(const Page& page, std::size_t policy, std::size_t start);
 /// where there is nobody to compare with.
 std::size_t clear_winner(const Page& page, std::size_t sweep, std::size_t start);
 
-/// What the margins say, one HTML sentence each, the most general first. For the page's first start.
-std::vector<std::string> answer_html(const Page& page);
+/// What the margins from a start say, one HTML sentence each, the most general first.
+std::vector<std::string> answer_html(const Page& page, std::size_t start);
 
 /// What the numbers rest on and where they stop, one HTML sentence each.
 std::vector<std::string> confidence_html(const Page& page);

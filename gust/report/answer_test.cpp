@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "gust/eval/margin.h"
+
 namespace gust {
 namespace {
 
@@ -18,6 +20,21 @@ Page two_policies() {
   page.sweeps = {{"action step", "action", "step", "N", {0, 5, 10}, Page::kUnknown, ""},
                  {"dynamics step", "dynamics", "step", "N", {0, 0.5, 1}, Page::kUnknown, ""}};
   return page;
+}
+
+/// The margins of a page with the texts that they would have.
+void tell(Page& page) {
+  for (Page::Margin& margin : page.margins) {
+    const Interval level{.estimate = margin.level.value, .low = margin.level.low, .high = margin.level.high};
+    margin.text = margin_text({.level = level, .censored = margin.censored, .last_level = margin.level.value});
+  }
+}
+
+std::string html_of(Page::Margin margin) {
+  Page page = two_policies();
+  page.margins = {margin};
+  tell(page);
+  return margin_html(page, page.margins.front());
 }
 
 }  // namespace
@@ -52,26 +69,33 @@ TEST_CASE("the answer ranks the policies, then names the first to fall on each s
   page.margins = {{0, 0, 0, {4, 4, 4}, false, 0.98},
                   {0, 1, 0, {6, 5, 7}, false, 0.98},
                   {1, 0, 0, {1, 1, kInfinity}, true, 0.98},
-                  {1, 1, 0, {1, 1, kInfinity}, true, 0.98}};
+                  {1, 1, 0, {1, 1, kInfinity}, true, 0.98},
+                  {0, 0, 1, {7, 7, 7}, false, 0.98}};
+  tell(page);
 
-  const auto sentences = answer_html(page);
+  const auto sentences = answer_html(page, 0);
 
   REQUIRE(sentences.size() == 3);
   CHECK(sentences[0] ==
-        "<b class=\"policy\" data-policy=\"1\">ppo</b> stands the most under 1 of 2 disturbances; under 1 no policy is "
+        "<b class=\"policy\" data-policy=\"1\">ppo</b> tolerates the most under 1 of 2 disturbances; under 1 no policy "
+        "is "
         "clearly "
         "ahead.");
   CHECK(sentences[1] ==
-        "On the <b>action</b> site the first to fall is <b class=\"policy\" data-policy=\"0\">lqr</b>, under step at "
-        "4.0&nbsp;N.");
+        "On the <b>action</b> site the first to fall is <b class=\"policy\" data-policy=\"0\">lqr</b>, under action "
+        "step at "
+        "4&nbsp;N <span class=\"interval\">[4, 4]</span>.");
   CHECK(sentences[2] == "On the <b>dynamics</b> site nothing on the grid costs more than 10\u00a0% of the score.");
+  REQUIRE(answer_html(page, 1).size() == 2);
+  CHECK(answer_html(page, 1)[0].find("lqr</b>, under action step at 7&nbsp;N") != std::string::npos);
+  CHECK(answer_html(page, 2).empty());
 }
 
 TEST_CASE("a policy that is far from the best undisturbed is not ranked, and that is said") {
   Page page = two_policies();
   page.margins = {{0, 0, 0, {4, 4, 4}, false, 0.98}, {0, 1, 0, {6, 5, 7}, false, 0.3}};
 
-  const auto sentences = answer_html(page);
+  const auto sentences = answer_html(page, 0);
 
   CHECK(clear_winner(page, 0, 0) == Page::kNone);
   REQUIRE(sentences.size() == 3);
@@ -88,18 +112,23 @@ TEST_CASE("those that do about as well undisturbed are ranked among themselves")
   page.margins = {
       {0, 0, 0, {4, 4, 4}, false, 1.0}, {0, 1, 0, {6, 5, 7}, false, 0.9}, {0, 2, 0, {10, 10, kInfinity}, true, 0.89}};
 
-  const auto sentences = answer_html(page);
+  const auto sentences = answer_html(page, 0);
 
   CHECK(clear_winner(page, 0, 0) == 1);
-  CHECK(sentences[0].find("ppo</b> stands the most under 1 of 1 disturbance.") != std::string::npos);
+  CHECK(sentences[0].find("ppo</b> tolerates the most under 1 of 1 disturbance.") != std::string::npos);
   CHECK(sentences[1].find("zero</b> (0.89) is not ranked") != std::string::npos);
 }
 
 TEST_CASE("a margin is told with its unit and interval, and one beyond the grid as at least") {
-  Page page = two_policies();
+  CHECK(html_of({0, 1, 0, {6, 5, 7}, false, 1}) == "6&nbsp;N <span class=\"interval\">[5, 7]</span>");
+  CHECK(html_of({0, 1, 0, {10, 10, kInfinity}, true, 1}) == "≥ 10&nbsp;N");
+}
 
-  CHECK(margin_html(page, {0, 1, 0, {6, 5, 7}, false, 1}) == "6.0&nbsp;N <span class=\"interval\">[5.0, 7.0]</span>");
-  CHECK(margin_html(page, {0, 1, 0, {10, 10, kInfinity}, true, 1}) == "≥&nbsp;10.0&nbsp;N");
+TEST_CASE("what stands for a margin that is no number is told as it is, without a unit") {
+  Page page = two_policies();
+  page.margins = {{0, 0, 0, {}, false, 0.1, "– (fails undisturbed)"}};
+
+  CHECK(margin_html(page, page.margins[0]) == "– (fails undisturbed)");
 }
 
 TEST_CASE("the notes name policies of a single seed and count the margins beyond the grid") {

@@ -54,10 +54,9 @@ void check_page(const Page& page) {
     GUST_CHECK(curve.metric < page.metrics.size());
     check_band(curve.band, curve.levels.empty() ? page.sweeps[curve.sweep].levels.size() : curve.levels.size());
   }
-  for (const auto& margin : page.margins) check_cell(page, margin.sweep, margin.policy, margin.start);
-  for (const auto& cell : page.worst) {
-    check_cell(page, cell.sweep, cell.policy, cell.start);
-    GUST_CHECK(cell.episode == Page::kNone || cell.episode < page.episodes.size());
+  for (const auto& margin : page.margins) {
+    check_cell(page, margin.sweep, margin.policy, margin.start);
+    GUST_CHECK(margin.episode == Page::kNone || margin.episode < page.episodes.size());
   }
   for (const auto& grid : page.grids) check_grid(page, grid);
   for (const auto& learning : page.learning) {

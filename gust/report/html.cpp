@@ -111,6 +111,11 @@ std::string short_number(double value) {
   return text;
 }
 
+std::string unit_html(const std::string& unit) {
+  if (unit.empty()) return "";
+  return unit.find(',') == unit.npos ? cat("&nbsp;", escaped(unit)) : cat(" (", escaped(unit), ")");
+}
+
 std::string percent(double share) { return format("{:.0f} %", 100 * share); }
 
 std::string counted(std::size_t count, std::string_view one, std::string_view many) {

@@ -24,6 +24,9 @@ std::string interval_text(const Page::Estimate& estimate, double scale);
 /// A number to three digits, on its own.
 std::string short_number(double value);
 
+/// "&nbsp;N" behind a number, " (m, rad)" where there are several units, nothing where there is none. HTML.
+std::string unit_html(const std::string& unit);
+
 /// "34 %" of a share.
 std::string percent(double share);
 

@@ -6,6 +6,12 @@
 
 namespace gust {
 
+TEST_CASE("one unit stands behind its number, several in brackets") {
+  CHECK(unit_html("N") == "&nbsp;N");
+  CHECK(unit_html("m, <rad>") == " (m, &lt;rad&gt;)");
+  CHECK(unit_html("").empty());
+}
+
 TEST_CASE("escaped text holds no character that HTML gives a meaning") {
   CHECK(escaped("</script><a href=\"x\" id='y'>&") ==
         "&lt;/script&gt;&lt;a href=&quot;x&quot; id=&#39;y&#39;&gt;&amp;");

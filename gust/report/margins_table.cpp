@@ -58,24 +58,34 @@ std::string micro_plot(const Page::Margin& margin, double end) {
   return cat("<svg class=\"micro\" height=\"12\" aria-hidden=\"true\">", marks, "</svg>");
 }
 
-std::string cell(const Page::Margin* margin, double end, bool ahead) {
+/// The same margin from the other starts, small.
+std::string from_other_starts(const Page& page, const Page::Margin& margin) {
+  std::string out;
+  for (const auto& other : page.margins) {
+    if (other.sweep != margin.sweep || other.policy != margin.policy || other.start == margin.start) continue;
+    out += cat("<small class=\"beside\">", escaped(page.starts[other.start].name), " ",
+               escaped(margin_words(other).value), "</small>");
+  }
+  return out;
+}
+
+std::string cell(const Page& page, const Page::Margin* margin, double end, bool ahead) {
   if (!margin) return "<td class=\"missing\">–</td>";
+  const auto [value, interval] = margin_words(*margin);
   const std::string reason = margin->reason.empty() ? "" : cat("<small>", escaped(margin->reason), "</small>");
-  if (std::isnan(margin->level.value)) return cat("<td class=\"missing\">–", reason, "</td>");
-  const bool open_interval = margin->at_most || (margin->censored && !(margin->level.low < margin->level.value));
-  const std::string interval = open_interval ? "" : interval_text(margin->level, end);
   return cat("<td data-policy=\"", margin->policy, "\"", ahead ? " class=\"ahead\"" : "", "><span class=\"value\">",
-             margin->censored ? "≥ " : margin->at_most ? "≤ " : "", decimal(margin->level.value, end), "</span> <span class=\"interval\">",
-             interval, "</span>", reason, micro_plot(*margin, end), "</td>");
+             escaped(value), "</span> <span class=\"interval\">", escaped(interval), "</span>", reason,
+             std::isnan(margin->level.value) ? "" : micro_plot(*margin, end), from_other_starts(page, *margin),
+             "</td>");
 }
 
 std::string row_html(const Page& page, std::size_t start, std::size_t sweep_index, const Row& row) {
   const auto& sweep = page.sweeps[sweep_index];
   const double end = axis_end(sweep, row);
   const std::size_t winner = clear_winner(page, sweep_index, start);
-  std::string out = cat("<tr><th scope=\"row\">", escaped(sweep.waveform), " <span class=\"range\">to ",
-                        short_number(end), sweep.unit.empty() ? "" : "&nbsp;", escaped(sweep.unit), "</span></th>");
-  for (std::size_t p = 0; p < row.size(); ++p) out += cell(row[p], end, p == winner);
+  std::string out = cat("<tr><th scope=\"row\">", escaped(sweep.name), " <span class=\"range\">to ", short_number(end),
+                        unit_html(sweep.unit), "</span></th>");
+  for (std::size_t p = 0; p < row.size(); ++p) out += cell(page, row[p], end, p == winner);
   return out + "</tr>\n";
 }
 
@@ -104,7 +114,7 @@ std::string table_html(const Page& page, std::size_t start, const Rows& rows) {
     std::string& body = bodies[group];
     if (++shown <= kMostRows) body += row_html(page, start, sweep, row);
   }
-  std::string out = cat("<div class=\"scroll margins\" data-start=\"", start,
+  std::string out = cat("<div class=\"scroll margins by-start\" data-start=\"", start,
                         "\" tabindex=\"0\" role=\"region\" aria-label=\"Margins, ", escaped(page.starts[start].title),
                         "\"><table style=\"--policies:", page.policies.size(), "\">\n", head_html(page, start));
   for (const auto& group : groups) {

@@ -15,24 +15,42 @@
 namespace gust {
 namespace {
 
+/// The study's own sentences, then what the margins say from each start; the page shows one start at a time.
+std::string answers(const Page& page) {
+  std::vector<std::string> own;
+  for (const std::string& sentence : page.answer) own.push_back(escaped(sentence));
+  std::string out = own.empty() ? "" : list_html(own, "says");
+  const bool several = page.starts.size() > 1 && !page.margins.empty();
+  if (several) out += "<div class=\"choices start-choices\"></div>\n";
+  for (std::size_t start = 0; start < page.starts.size(); ++start) {
+    const std::vector<std::string> sentences = answer_html(page, start);
+    if (sentences.empty()) continue;
+    out += cat("<div class=\"by-start\" data-start=\"", start, "\"><p class=\"from\">From the ",
+               escaped(page.starts[start].name), " start: ", escaped(page.starts[start].title), "</p>\n",
+               list_html(sentences, "says"), "</div>\n");
+  }
+  return out;
+}
+
 std::string answer_section(const Page& page, const std::vector<std::string>& left_out) {
   auto confidence = confidence_html(page);
   for (const auto& sentence : left_out) confidence.push_back(escaped(sentence));
-  std::string out = cat("<div class=\"columns\"><div>", list_html(answer_html(page), "says"),
-                        "</div><aside><h3>How sure we are</h3>\n", list_html(confidence, "notes"), "</aside></div>\n");
+  std::string out = cat("<div class=\"columns\"><div>", answers(page), "</div><aside><h3>How sure we are</h3>\n",
+                        list_html(confidence, "notes"), "</aside></div>\n");
   if (const std::string table = margins_table(page); !table.empty()) {
     out += cat("<h3 id=\"margins\">Robustness margins</h3>\n<p class=\"lead\">The first level at which ",
                escaped(page.metrics[page.margin_metric].title), " falls below ",
                fmt::format("{:.0f} %", 100 * page.margin_share),
                " of its undisturbed value. Bar: interval, on the scale of its row. <b class=\"ahead\">Bold</b>: "
                "clearly ahead of all others; who undisturbed scores less than that share of the best is left "
-               "out.</p>\n<div class=\"choices\" id=\"margin-choices\"></div>\n",
+               "out.</p>\n<div class=\"choices start-choices\" id=\"margin-choices\"></div>\n",
                table);
   }
-  if (const std::string table = worst_table(page); !table.empty()) {
-    out += cat("<h3 id=\"worst\">Worst cells</h3>\n<p class=\"lead\">Where ",
-               escaped(page.metrics.empty() ? "the score" : page.metrics[0].title), " is lowest.</p>\n", table);
-  }
+  if (const std::string table = smallest_margins(page); !table.empty())
+    out +=
+        cat("<h3 id=\"smallest\">Smallest margins</h3>\n<p class=\"lead\">Of each site, from the start that is chosen "
+            "above.</p>\n",
+            table);
   return out;
 }
 

@@ -79,22 +79,12 @@ struct Page {
     std::size_t sweep = 0;
     std::size_t policy = 0;
     std::size_t start = 0;
-    Estimate level;             // where censored, value is the last level of the grid
-    bool censored = false;      // the score did not fall far enough on the grid: "at least"
-    double nominal = kUnknown;  // the undisturbed score
-    bool at_most = false;       // it has fallen at the smallest level looked at
-    std::string reason = {};    // why there is none (value unknown), or why it is 0
-  };
-
-  /// A cell to look at first; the study sorts them.
-  struct WorstCell {
-    std::size_t sweep = 0;
-    std::size_t policy = 0;
-    std::size_t start = 0;
-    double level = kUnknown;
-    Estimate score;
-    double nominal = kUnknown;    // the same score, undisturbed
-    std::size_t episode = kNone;  // kept episode of the cell
+    Estimate level;               // where censored, value is the last level of the grid
+    bool censored = false;        // the score did not fall far enough on the grid: "at least"
+    double nominal = kUnknown;    // the undisturbed score
+    std::string text;             // as margin_text() tells it, without its unit
+    std::size_t episode = kNone;  // kept episode of the policy under this disturbance
+    std::string reason = {};      // why there is none (value unknown), or why it is 0
   };
 
   enum class Verdict { kHolds, kFails, kUndecided };
@@ -201,7 +191,6 @@ struct Page {
   std::size_t margin_metric = 0;
   double margin_share = 0.9;  // of the nominal score; below it the margin is spent
   std::vector<Margin> margins;
-  std::vector<WorstCell> worst;
   std::vector<Claim> claims;
   std::vector<Episode> episodes;
 

@@ -256,7 +256,7 @@ void write_margins(JsonWriter& json, const Page& page) {
   for (const auto& margin : page.margins) {
     json.open('{').key("s").index(margin.sweep).key("p").index(margin.policy).key("t").index(margin.start);
     json.key("v").number(margin.level.value).key("l").number(margin.level.low).key("h").number(margin.level.high);
-    json.key("censored").flag(margin.censored).key("atMost").flag(margin.at_most).key("nominal").number(margin.nominal).close('}');
+    json.key("censored").flag(margin.censored).key("nominal").number(margin.nominal).close('}');
   }
   json.close(']').key("marginShare").number(page.margin_share);
   if (page.margin_metric < page.metrics.size()) json.key("marginMetric").index(page.margin_metric);

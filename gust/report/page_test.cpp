@@ -29,7 +29,7 @@ Page small_page(std::size_t levels) {
   for (std::size_t i = 0; i < levels; ++i) page.sweeps[0].levels.push_back(static_cast<double>(i));
   const std::vector<double> values(levels, 0.5);
   page.curves = {{0, 0, 0, 0, {values, values, values}}, {0, 0, 0, 1, {values, {}, {}}}};
-  page.margins = {{0, 0, 0, {0.5, 0.4, 0.6}, false, 1}};
+  page.margins = {{0, 0, 0, {0.5, 0.4, 0.6}, false, 1, "0.5 [0.4, 0.6]"}};
   return page;
 }
 
@@ -62,8 +62,8 @@ TEST_CASE("a page of one policy has its curves, its margin and no ranking") {
   const std::string html = render_page(small_page(3));
 
   CHECK(holds(html, "id=\"figure-curves\""));
-  CHECK(holds(html, "<span class=\"value\">0.50</span>"));
-  CHECK_FALSE(holds(html, "stands the most"));
+  CHECK(holds(html, "<span class=\"value\">0.5</span>"));
+  CHECK_FALSE(holds(html, "tolerates the most"));
   CHECK_FALSE(holds(html, "clearly ahead.</li>"));
 }
 

@@ -59,7 +59,6 @@ void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summ
   page.policies.clear();
   page.curves.clear();
   page.margins.clear();
-  page.worst.clear();
   page.learning.clear();
   page.episodes.clear();
   for (const PaperMap& map : maps) {
@@ -73,10 +72,11 @@ void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summ
           {map.sweep, {"level in the test", unit, levels}, {"level in training", unit, levels}, {}, ""});
       grid = page.grids.end() - 1;
     }
-    for (std::size_t start = 0; start < study.starts.size(); ++start) {
+    const std::vector<std::size_t> starts = starts_to_tell(study);  // the page's are in this order
+    for (std::size_t start = 0; start < starts.size(); ++start) {
       for (std::size_t metric = 0; metric < page.metrics.size(); ++metric) {
         std::vector<double> values;
-        for (const Estimate& cell : map_cells(map, study, summary, summarised_metrics(study)[metric], start))
+        for (const Estimate& cell : map_cells(map, study, summary, summarised_metrics(study)[metric], starts[start]))
           values.push_back(cell.value);
         if (!values.empty()) grid->layers.push_back({page.policies.size(), start, metric, std::move(values)});
       }

@@ -10,8 +10,6 @@
 namespace gust {
 namespace {
 
-constexpr std::size_t kMostWorst = 10;
-
 std::string kind_text(const StudyPolicy& policy) {
   switch (policy.kind) {
     case StudyPolicy::Kind::kLqr:
@@ -96,7 +94,6 @@ class PageWriter {
       if (series.sweep == Trial::kNominal) continue;
       study_.sweeps[series.sweep].axes.size() == 2 ? grid(series) : curves(series);
     }
-    worst_cells();
     claims();
     learning();
     page_.episodes = kept_episodes(study_, summary_.kept, sweep_at_);
@@ -105,7 +102,8 @@ class PageWriter {
       const std::string where = cell_text(page_.sweeps[episode.sweep].name, cat(episode.level));
       episode.command = cell_command(episode.policy, episode.start, where);
     }
-    link_worst_cells();
+    link_margins();
+    order_starts();
     return std::move(page_);
   }
 
@@ -148,7 +146,7 @@ class PageWriter {
       if (study_.sweeps[s].axes.size() == 2 || study_.sweeps[s].axes.front().values.empty()) continue;
       sweep_at_[s] = page_.sweeps.size();
       page_.sweeps.push_back(page_sweep(study_, study_.sweeps[s]));
-      page_.sweeps.back().command = cell_command(0, 0, middle_of(study_.sweeps[s]));
+      page_.sweeps.back().command = cell_command(0, starts_to_tell(study_).front(), middle_of(study_.sweeps[s]));
     }
   }
 
@@ -171,7 +169,8 @@ class PageWriter {
                              {margin.level.estimate, margin.level.low, margin.level.high},
                              margin.censored,
                              summary_.undisturbed(series.policy, series.start),
-                             margin.at_most,
+                             margin_text(margin),
+                             Page::kNone,
                              margin.reason});
   }
 
@@ -209,7 +208,8 @@ class PageWriter {
       const auto axis = [&](std::size_t a) {
         return Page::Grid::Axis{sweep.axes[a].name(), sweep.unit(study_.setup.plant->spec(), a), sweep.axes[a].values};
       };
-      page_.grids.push_back({sweep.name, axis(1), axis(0), {}, cell_command(0, 0, middle_of(sweep))});
+      page_.grids.push_back(
+          {sweep.name, axis(1), axis(0), {}, cell_command(0, starts_to_tell(study_).front(), middle_of(sweep))});
       at = page_.grids.end() - 1;
     }
     for (std::size_t m = 0; m < metrics_.size(); ++m) {
@@ -221,42 +221,36 @@ class PageWriter {
     }
   }
 
-  /// The lowest score of each policy along each sweep, lowest first. One that is no number counts as 0, as it does for
-  /// the margins; a sweep of which no score was measured has none.
-  void worst_cells() {
-    const auto counted = [](double score) { return std::isnan(score) ? 0.0 : score; };
-    for (const Series& series : summary_.series) {
-      if (series.sweep == Trial::kNominal || sweep_at_[series.sweep] == Page::kNone) continue;
-      const auto score_at = [&](std::size_t cell) { return counted(series.at(summary_.margin_metric, cell).value); };
-      std::size_t worst = 0;
-      for (std::size_t cell = 1; cell < series.cells; ++cell) {
-        if (score_at(cell) < score_at(worst)) worst = cell;
+  /// Each margin leads to a kept episode of its policy and sweep, from the same start if there is one: of each trial
+  /// the worst comes first.
+  void link_margins() {
+    for (Page::Margin& margin : page_.margins) {
+      for (const bool same_start : {true, false}) {
+        const auto at = std::ranges::find_if(page_.episodes, [&](const Page::Episode& episode) {
+          return episode.sweep == margin.sweep && episode.policy == margin.policy &&
+                 (episode.start == margin.start) == same_start;
+        });
+        if (margin.episode == Page::kNone && at != page_.episodes.end())
+          margin.episode = static_cast<std::size_t>(at - page_.episodes.begin());
       }
-      const Estimate& score = series.at(summary_.margin_metric, worst);
-      if (std::isnan(score.value) && series.not_finite == 0) continue;
-      page_.worst.push_back({sweep_at_[series.sweep],
-                             series.policy,
-                             series.start,
-                             study_.sweeps[series.sweep].axes.front().values[worst],
-                             {score.value, score.low, score.high},
-                             summary_.undisturbed(series.policy, series.start),
-                             Page::kNone});
     }
-    std::ranges::stable_sort(page_.worst, {}, [&](const Page::WorstCell& cell) { return counted(cell.score.value); });
-    if (page_.worst.size() > kMostWorst) page_.worst.resize(kMostWorst);
   }
 
-  /// Each cell leads to the worst episode that was kept of it, or of its level from another start.
-  void link_worst_cells() {
-    for (Page::WorstCell& cell : page_.worst) {
-      bool same_start = false;
-      for (std::size_t e = 0; e < page_.episodes.size(); ++e) {
-        const Page::Episode& episode = page_.episodes[e];
-        if (episode.sweep != cell.sweep || episode.policy != cell.policy || episode.level != cell.level) continue;
-        const bool better = episode.start == cell.start && !same_start;
-        if (better || cell.episode == Page::kNone) cell.episode = e;  // of each trial, the worst comes first
-        same_start = same_start || better;
-      }
+  /// Puts the page's starts into the order in which they are told.
+  void order_starts() {
+    const std::vector<std::size_t> order = starts_to_tell(study_);
+    std::vector<std::size_t> place(order.size());
+    std::vector<Page::Start> starts;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      place[order[i]] = i;
+      starts.push_back(std::move(page_.starts[order[i]]));
+    }
+    page_.starts = std::move(starts);
+    for (Page::Curve& curve : page_.curves) curve.start = place[curve.start];
+    for (Page::Margin& margin : page_.margins) margin.start = place[margin.start];
+    for (Page::Episode& episode : page_.episodes) episode.start = place[episode.start];
+    for (Page::Grid& grid : page_.grids) {
+      for (Page::Grid::Layer& layer : grid.layers) layer.start = place[layer.start];
     }
   }
 

@@ -42,7 +42,7 @@ TEST_CASE("the page of a study has a curve for each sweep, policy, start and met
   CHECK(page.claims[0].verdict == Page::Verdict::kHolds);
   CHECK(page.warnings == std::vector<std::string>{"a warning"});
   CHECK(page.run_command == "gust run small.toml");
-  CHECK(page.sweeps[0].command == "gust eval lqr --study small.gust --sweep push --level 5 --start nominal");
+  CHECK(page.sweeps[0].command == "gust eval lqr --study small.gust --sweep push --level 5 --start random");
 }
 
 TEST_CASE("margins of a score that the page does not lead with are still named by it") {
@@ -52,56 +52,38 @@ TEST_CASE("margins of a score that the page does not lead with are still named b
   CHECK(page.metrics[page.margin_metric].name == "anr_h");
 }
 
-TEST_CASE("the worst cells come first and lead to the episodes that were kept of them") {
+TEST_CASE("margins are told in the words of the terminal and lead to an episode that was kept of them") {
   const Page page = page_of(small_study());
 
-  REQUIRE(page.worst.size() == 8);
-  CHECK(std::ranges::is_sorted(page.worst, {}, [](const Page::WorstCell& cell) { return cell.score.value; }));
-  std::size_t linked = 0;
-  for (const Page::WorstCell& cell : page.worst) {
-    if (cell.episode == Page::kNone) continue;
-    ++linked;
-    const Page::Episode& episode = page.episodes[cell.episode];
-    CHECK(episode.policy == cell.policy);
-    CHECK(episode.sweep == cell.sweep);
-    CHECK(episode.level == cell.level);
-    for (std::size_t e = 0; e < cell.episode; ++e) {
-      const Page::Episode& before = page.episodes[e];  // none that fits better, and the first of a trial is the worst
-      CHECK((before.policy != cell.policy || before.sweep != cell.sweep || before.level != cell.level ||
-             before.start != cell.start));
-    }
+  REQUIRE(page.margins.size() == 8);
+  for (const Page::Margin& margin : page.margins) {
+    CHECK_FALSE(margin.text.empty());
+    REQUIRE(margin.episode != Page::kNone);
+    const Page::Episode& episode = page.episodes[margin.episode];
+    CHECK(episode.policy == margin.policy);
+    CHECK(episode.sweep == margin.sweep);
   }
-  CHECK(linked > 0);
+  CHECK_NOTHROW(render_page(page));
 }
 
-TEST_CASE("a cell whose score is no number is the worst of its sweep, one that was not measured is none") {
-  const ScratchFolder folder("gust-study-page-worst");
-  Study study = small_study();
-  const Store store(folder.path / "store", Store::Access::write);
-  const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
-  Summary summary = summarise(study, outcome.plan, store, 1);
-  const auto lose_scores = [&](Series& series, std::size_t from, std::size_t count) {
-    const auto row = std::ranges::find(series.metrics, summary.margin_metric) - series.metrics.begin();
-    const auto first = series.values.begin() + row * static_cast<std::ptrdiff_t>(series.cells);
-    std::fill_n(first + static_cast<std::ptrdiff_t>(from), count,
-                Estimate{std::numeric_limits<double>::quiet_NaN(), 0, 0});
+TEST_CASE("the page leads with random starts, and everything on it is of the start that it names") {
+  const Page page = page_of(small_study());
+  const Page other = page_of(small_study({"evaluate.start=[\"random\", \"nominal\"]"}));
+
+  REQUIRE(page.starts.size() == 2);
+  CHECK(page.starts[0].name == "random");
+  CHECK(page.starts[1].name == "nominal");
+  const auto value_of = [](const Page& of, std::size_t start) {
+    const auto at = std::ranges::find_if(of.margins, [&](const Page::Margin& margin) {
+      return margin.policy == 0 && margin.sweep == 0 && margin.start == start;
+    });
+    return at->text;
   };
-  for (Series& series : summary.series) {
-    if (series.policy == 0 && series.sweep == 0 && series.start == 0) {
-      series.not_finite = 1;
-      lose_scores(series, 1, 1);
-    }
-    if (series.policy == 1 && series.sweep == 1 && series.start == 0) lose_scores(series, 0, series.cells);
-  }
-
-  const Page page = study_page(study, summary, {"run", "small.gust", "export", {}, {}});
-
-  REQUIRE(page.worst.size() == 7);
-  CHECK(page.worst[0].policy == 0);
-  CHECK(page.worst[0].sweep == 0);
-  CHECK(page.worst[0].level == 5.0);
-  for (std::size_t i = 2; i < page.worst.size(); ++i) CHECK(page.worst[i - 1].score.value <= page.worst[i].score.value);
-  CHECK_NOTHROW(render_page(page));
+  CHECK(value_of(page, 0) == value_of(other, 0));
+  CHECK(value_of(page, 1) == value_of(other, 1));
+  CHECK(value_of(page, 0) != value_of(page, 1));
+  CHECK(page.sweeps[0].command.ends_with("--start random"));
+  for (std::size_t e = 0; e < page.episodes.size(); ++e) CHECK(page.episodes[e].start == other.episodes[e].start);
 }
 
 TEST_CASE("a kept episode is whole, and what fell says of what") {
@@ -156,7 +138,7 @@ grid = { pole_mass = [0.1, 0.2, 0.3], cart_mass = [1, 2] }
   CHECK(page.sweeps.size() == 2);
   REQUIRE(page.grids.size() == 1);
   CHECK(page.grids[0].rows.name == "pole_mass");
-  CHECK(page.grids[0].command == "gust eval lqr --study small.gust --sweep both --level 0.2,2 --start nominal");
+  CHECK(page.grids[0].command == "gust eval lqr --study small.gust --sweep both --level 0.2,2 --start random");
   CHECK(page.grids[0].columns.name == "cart_mass");
   CHECK(page.grids[0].layers.size() == 2 * 2 * page.metrics.size());
   for (const Page::Grid::Layer& layer : page.grids[0].layers) CHECK(layer.values.size() == 6);

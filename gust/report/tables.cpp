@@ -1,16 +1,20 @@
 #include "gust/report/tables.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <map>
 
 #include "gust/core/error.h"
+#include "gust/report/answer.h"
 #include "gust/report/html.h"
 
 namespace gust {
 namespace {
 
-constexpr std::size_t kMostWorst = 12;
-constexpr std::size_t kLongFact = 60;  // bytes; what is longer gets a row of its own
+constexpr std::size_t kMostSmallest = 4;  // margins of one site
+constexpr std::size_t kLongFact = 60;     // bytes; what is longer gets a row of its own
 
 struct VerdictWords {
   std::string_view name;
@@ -29,19 +33,35 @@ VerdictWords words(Page::Verdict verdict) {
   throw Bug("a verdict outside its enumeration");
 }
 
-std::string worst_row(const Page& page, const Page::WorstCell& cell) {
-  const auto& sweep = page.sweeps[cell.sweep];
-  const std::string where = sweep.site.empty() ? sweep.waveform : cat(sweep.site, " · ", sweep.waveform);
-  const std::string watch = cell.episode == Page::kNone
+std::string margin_row(const Page& page, const Page::Margin& margin) {
+  const auto& sweep = page.sweeps[margin.sweep];
+  const std::string watch = margin.episode == Page::kNone
                                 ? ""
-                                : cat("<button type=\"button\" data-watch=\"", cell.episode, "\">Watch</button>");
-  return cat("<tr data-start=\"", cell.start, "\"><th scope=\"row\" data-policy=\"", cell.policy,
-             "\"><span class=\"key\" data-policy=\"", cell.policy, "\"></span>",
-             escaped(page.policies[cell.policy].name), "</th><td>", escaped(where), "</td><td class=\"number\">",
-             short_number(cell.level), " ", escaped(sweep.unit), "</td><td class=\"number\"><span class=\"value\">",
-             decimal(cell.score.value, 1), "</span> <span class=\"interval\">", interval_text(cell.score, 1),
-             "</span></td><td class=\"number\">", decimal(cell.nominal, 1), "</td><td>",
-             escaped(page.starts[cell.start].name), "</td><td>", watch, "</td></tr>\n");
+                                : cat("<button type=\"button\" data-watch=\"", margin.episode, "\">Watch</button>");
+  return cat("<tr><th scope=\"row\" data-policy=\"", margin.policy, "\"><span class=\"key\" data-policy=\"",
+             margin.policy, "\"></span>", escaped(page.policies[margin.policy].name), "</th><td>", escaped(sweep.name),
+             "</td><td>", escaped(sweep.site), "</td><td>", margin_html(page, margin), "</td><td>", watch,
+             "</td></tr>\n");
+}
+
+/// The smallest margins from a start, those of one site and unit together.
+std::vector<const Page::Margin*> smallest(const Page& page, std::size_t start) {
+  std::map<std::string, std::vector<const Page::Margin*>> groups;
+  std::vector<std::string> order;
+  for (const auto& margin : page.margins) {
+    if (margin.start != start || margin.censored || std::isnan(margin.level.value)) continue;
+    const std::string group = cat(page.sweeps[margin.sweep].site, " ", page.sweeps[margin.sweep].unit);
+    if (!groups.contains(group)) order.push_back(group);
+    groups[group].push_back(&margin);
+  }
+  std::vector<const Page::Margin*> all;
+  for (const std::string& group : order) {
+    std::vector<const Page::Margin*>& margins = groups[group];
+    std::ranges::stable_sort(margins, {}, [](const Page::Margin* margin) { return margin->level.value; });
+    if (margins.size() > kMostSmallest) margins.resize(kMostSmallest);
+    std::ranges::copy(margins, std::back_inserter(all));
+  }
+  return all;
 }
 
 std::string code_line(std::string_view command) {
@@ -51,17 +71,20 @@ std::string code_line(std::string_view command) {
 
 }  // namespace
 
-std::string worst_table(const Page& page) {
-  if (page.worst.empty()) return "";
-  std::string out =
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Worst cells\"><table "
-      "class=\"worst\">\n<thead><tr><th "
-      "scope=\"col\">policy</th><th scope=\"col\">disturbance</th><th scope=\"col\" class=\"number\">level</th><th "
-      "scope=\"col\" "
-      "class=\"number\">score</th><th scope=\"col\" class=\"number\">undisturbed</th><th scope=\"col\">start</th><th "
-      "scope=\"col\"><span class=\"hidden\">replay</span></th></tr></thead>\n<tbody>\n";
-  for (std::size_t i = 0; i < std::min(page.worst.size(), kMostWorst); ++i) out += worst_row(page, page.worst[i]);
-  return out + "</tbody></table></div>\n";
+std::string smallest_margins(const Page& page) {
+  std::string out;
+  for (std::size_t start = 0; start < page.starts.size(); ++start) {
+    const std::vector<const Page::Margin*> margins = smallest(page, start);
+    if (margins.empty()) continue;
+    out += cat("<div class=\"scroll by-start\" data-start=\"", start,
+               "\" tabindex=\"0\" role=\"region\" aria-label=\"Smallest margins, ", escaped(page.starts[start].title),
+               "\"><table class=\"smallest\">\n<thead><tr><th scope=\"col\">policy</th><th "
+               "scope=\"col\">disturbance</th><th scope=\"col\">site</th><th scope=\"col\">margin</th><th "
+               "scope=\"col\"><span class=\"hidden\">replay</span></th></tr></thead>\n<tbody>\n");
+    for (const Page::Margin* margin : margins) out += margin_row(page, *margin);
+    out += "</tbody></table></div>\n";
+  }
+  return out;
 }
 
 std::string claims_list(const Page& page) {

@@ -11,7 +11,8 @@ namespace gust {
 /// Sweep by policy, one table a start; the interval is drawn in each cell on the sweep's own scale.
 std::string margins_table(const Page& page);
 
-std::string worst_table(const Page& page);
+/// The smallest margins of each site, one table a start, with a way to an episode that was kept.
+std::string smallest_margins(const Page& page);
 
 std::string claims_list(const Page& page);
 

@@ -2,10 +2,13 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <memory>
 
 #include "gust/core/csv.h"
+#include "gust/core/text.h"
 #include "gust/study/files.h"
 #include "gust/study/rows.h"
 #include "gust/study/trials.h"
@@ -14,6 +17,17 @@ namespace gust {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// "fx fz=0.5": the channels that are disturbed, with factors that are not 1.
+std::string channels_text(const Injection& injection, const PlantSpec& spec) {
+  const std::vector<Component>& channels = channels_of(injection.site, spec);
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const double factor = injection.factors[c];
+    if (factor != 0) parts.push_back(factor == 1 ? channels[c].name : cat(channels[c].name, "=", factor));
+  }
+  return join(parts, " ");
+}
 
 /// What every row of a trial has in common.
 ExportRow head_of(const Study& study, const Trial& trial) {
@@ -24,27 +38,32 @@ ExportRow head_of(const Study& study, const Trial& trial) {
   row.readings = canonical_fields(study.setup.readings);
   row.policy = policy.name;
   row.seed = policy.member(trial.member);
-  if (trial.sweep == Trial::kNominal) {
-    row.site = row.waveform = std::string("none");
-    return row;
-  }
+  for (std::string* text : {&row.sweep, &row.site, &row.channels, &row.waveform, &row.window}) *text = "none";
+  if (trial.sweep == Trial::kNominal) return row;
   const Sweep& sweep = study.sweeps[trial.sweep];
-  row.site = sweep.injection ? std::string(site_name(sweep.injection->site)) : "parameters";
-  row.waveform = sweep.injection ? sweep.injection->waveform.canonical : "none";
+  const PlantSpec& spec = study.setup.plant->spec();
+  row.sweep = sweep.name;
+  row.site = "parameters";
+  if (const std::optional<Injection>& injection = sweep.injection) {
+    row.site = site_name(injection->site);
+    row.channels = channels_text(*injection, spec);
+    row.waveform = injection->waveform.canonical;
+    row.window = cat(injection->start, ":", std::min(injection->end, spec.steps));
+  }
   if (!sweep.along_levels()) {
     for (const Sweep::Axis& axis : sweep.axes) row.vary += cat(row.vary.empty() ? "" : "*", axis.name());
   }
-  const std::string setting = sweep.setting(study.setup.plant->spec());
+  const std::string setting = sweep.setting(spec);
   if (!setting.empty()) row.vary += cat(row.vary.empty() ? "" : ", ", setting);
   return row;
 }
 
-std::string level_text(const Study& study, const Trial& trial, std::size_t cell) {
-  if (trial.sweep == Trial::kNominal) return "0";
+void set_levels(const Study& study, const Trial& trial, std::size_t cell, ExportRow& row) {
+  if (trial.sweep == Trial::kNominal) return;
   const std::vector<Sweep::Axis>& axes = study.sweeps[trial.sweep].axes;
-  const std::size_t inner = axes.back().values.size();
-  if (axes.size() == 1) return cat(axes[0].values[cell]);
-  return cat(axes[0].values[cell / inner], "*", axes[1].values[cell % inner]);
+  const std::size_t inner = axes.size() == 2 ? axes[1].values.size() : 1;
+  row.level = axes[0].values[cell / inner];
+  if (axes.size() == 2) row.level_2 = axes[1].values[cell % inner];
 }
 
 void export_trial(const Study& study, const Trial& trial, const StoredTrial& stored,
@@ -55,7 +74,7 @@ void export_trial(const Study& study, const Trial& trial, const StoredTrial& sto
   ExportRow row = head_of(study, trial);
   for (std::size_t cell = 0; cell < header.cells; ++cell) {
     const std::span<const double> values = rows.next();
-    row.level = level_text(study, trial, cell);
+    set_levels(study, trial, cell, row);
     std::size_t i = 0;
     for (const std::string& start : header.starts) {
       row.start = start;
@@ -173,8 +192,10 @@ std::vector<std::size_t> export_csv(const Study& study, const Plan& plan, const 
   AtomicFile out(file);
   out.append(cat(kExportHead, "\n"));
   std::vector<std::size_t> missing = for_each_export_row(study, plan, store, [&](const ExportRow& row) {
-    out.append(csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.site, row.waveform, row.vary,
-                         row.level, row.start, cat(row.episode), row.metric, cat(row.value)}));
+    out.append(
+        csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.sweep, row.site, row.channels,
+                  row.waveform, row.window, row.vary, cat(row.level), std::isnan(row.level_2) ? "" : cat(row.level_2),
+                  row.start, cat(row.episode), row.metric, cat(row.value)}));
   });
   out.commit();
   return missing;
@@ -187,19 +208,23 @@ std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, con
     Database database(aside.path());
     database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
     database.execute(
-        "CREATE TABLE episodes (plant TEXT, preset TEXT, readings TEXT, policy TEXT, seed TEXT, site TEXT, "
-        "waveform TEXT, vary TEXT, level TEXT, start TEXT, episode INTEGER, metric TEXT, value REAL)");
+        "CREATE TABLE episodes (plant TEXT, preset TEXT, readings TEXT, policy TEXT, seed TEXT, sweep TEXT, "
+        "site TEXT, channels TEXT, waveform TEXT, \"window\" TEXT, vary TEXT, level REAL, level_2 REAL, start TEXT, "
+        "episode INTEGER, metric TEXT, value REAL)");
     database.execute(
         "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, return_mean REAL, return_std REAL, "
         "length_mean REAL, anr REAL, anr_h REAL, rmse_scg REAL, protagonist_steps INTEGER)");
-    database.prepare("INSERT INTO episodes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    database.prepare("INSERT INTO episodes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     missing = for_each_export_row(study, plan, store, [&](const ExportRow& row) {
-      const std::string* texts[] = {&row.plant, &row.preset,   &row.readings, &row.policy, &row.seed,
-                                    &row.site,  &row.waveform, &row.vary,     &row.level,  &row.start};
-      for (int i = 0; i < 10; ++i) database.bind(i + 1, *texts[i]);
-      database.bind(11, row.episode);
-      database.bind(12, row.metric);
-      database.bind(13, row.value);
+      int column = 0;
+      for (const std::string* text : {&row.plant, &row.preset, &row.readings, &row.policy, &row.seed, &row.sweep,
+                                      &row.site, &row.channels, &row.waveform, &row.window, &row.vary})
+        database.bind(++column, *text);
+      for (const double level : {row.level, row.level_2}) database.bind(++column, level);  // NaN becomes NULL
+      database.bind(++column, row.start);
+      database.bind(++column, row.episode);
+      database.bind(++column, row.metric);
+      database.bind(++column, row.value);
       database.insert();
     });
     insert_learning(database, study, plan, store);

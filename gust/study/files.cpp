@@ -12,11 +12,12 @@ namespace gust {
 namespace {
 
 constexpr std::size_t kPiece = 1 << 16;  // bytes read or written at a time
+constexpr const char* kAllFolders = "**";
 
-bool has_wildcard(std::string_view part) { return part.find_first_of("*?[") != std::string_view::npos; }
+bool has_wildcard(std::string_view part) { return part.find_first_of("*?[\\") != std::string_view::npos; }
 
 /// The entries of a folder whose name fits one part of a pattern; none if the folder cannot be listed.
-std::vector<std::filesystem::path> matches(const std::filesystem::path& folder, const std::string& part) {
+std::vector<std::filesystem::path> entries_like(const std::filesystem::path& folder, const std::string& part) {
   std::vector<std::filesystem::path> found;
   std::error_code error;
   std::filesystem::directory_iterator entries(folder.empty() ? "." : folder, error);
@@ -25,6 +26,30 @@ std::vector<std::filesystem::path> matches(const std::filesystem::path& folder, 
     if (::fnmatch(part.c_str(), name.c_str(), FNM_PERIOD) == 0) found.push_back(folder / name);
   }
   return found;
+}
+
+/// A folder and all below it, but no hidden ones and none behind a link.
+std::vector<std::filesystem::path> folders_from(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> found = {folder};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (std::filesystem::path& below : entries_like(found[i], "*")) {
+      std::error_code error;
+      if (std::filesystem::symlink_status(below, error).type() == std::filesystem::file_type::directory)
+        found.push_back(std::move(below));
+    }
+  }
+  return found;
+}
+
+/// What one part of a pattern names in a folder.
+std::vector<std::filesystem::path> matches(const std::filesystem::path& folder, const std::filesystem::path& part) {
+  if (part == kAllFolders) return folders_from(folder);
+  std::error_code error;
+  if (!has_wildcard(part.native()) || std::filesystem::exists(folder / part, error)) return {folder / part};
+  if (part.native().find(kAllFolders) != std::string::npos)
+    throw Error(cat("'**' stands for folders and must be a part of its own, as in 'runs/**/*.onnx', got '",
+                    part.native(), "'"));
+  return entries_like(folder, part.native());
 }
 
 bool is_of_proc(const std::filesystem::path& path) {
@@ -118,24 +143,25 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 }
 
 std::vector<std::filesystem::path> glob_files(const std::filesystem::path& base, std::string_view pattern) {
-  const std::filesystem::path whole = base / std::filesystem::path(pattern);  // an absolute pattern replaces the base
-  if (!has_wildcard(pattern)) return {whole};
-  const std::filesystem::path fixed = std::filesystem::path(pattern).is_absolute() ? std::filesystem::path() : base;
-  std::vector<std::filesystem::path> found = {fixed};
-  for (const std::filesystem::path& part : std::filesystem::path(pattern)) {
+  const std::filesystem::path path(pattern);
+  if (!has_wildcard(pattern)) return {base / path};  // an absolute path replaces the base
+  std::vector<std::filesystem::path> found = {path.is_absolute() ? std::filesystem::path() : base};
+  std::vector<std::filesystem::path> parts(path.begin(), path.end());
+  if (parts.back() == kAllFolders) parts.emplace_back("*");  // all files below
+  for (const std::filesystem::path& part : parts) {
     std::vector<std::filesystem::path> longer;
-    for (const std::filesystem::path& folder : found) {
-      const bool wild = has_wildcard(part.string());
-      if (!wild) longer.push_back(folder / part);
-      if (wild) std::ranges::copy(matches(folder, part.string()), std::back_inserter(longer));
-    }
+    for (const std::filesystem::path& folder : found)
+      std::ranges::move(matches(folder, part), std::back_inserter(longer));
     found = std::move(longer);
   }
-  std::erase_if(found, [](const std::filesystem::path& path) {
+  std::erase_if(found, [](const std::filesystem::path& file) {
     std::error_code error;
-    return !std::filesystem::is_regular_file(path, error);
+    return !std::filesystem::is_regular_file(file, error);
   });
-  std::ranges::sort(found, {}, [](const std::filesystem::path& path) { return path.native(); });
+  const auto bytes = [](const std::filesystem::path& file) -> const std::string& { return file.native(); };
+  std::ranges::sort(found, {}, bytes);
+  const auto repeats = std::ranges::unique(found, {}, bytes);
+  found.erase(repeats.begin(), repeats.end());
   return found;
 }
 

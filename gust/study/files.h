@@ -52,8 +52,12 @@ class AtomicFile {
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// The paths that a pattern such as "policies/*.onnx" names, relative to a base folder unless it is absolute, sorted by
-/// their bytes. `*`, `?` and `[...]` match within one part of a path, and no leading dot. A pattern without any of them
-/// gives the path itself, whether it is there or not; one that nothing matches gives an empty list.
+/// their bytes, each once. A part of the path that is there by that very name is that file or folder, also where it has
+/// brackets. Else `*`, `?` and `[...]` match within the part, and no leading dot; `\\` takes away their meaning. The
+/// part
+/// `**` is this folder and all below it, but no hidden ones and none behind a link. A pattern without any of these
+/// gives the path itself, whether it is there or not; one that nothing matches gives an empty list. An Error if `**` is
+/// only a piece of a part.
 std::vector<std::filesystem::path> glob_files(const std::filesystem::path& base, std::string_view pattern);
 
 }  // namespace gust

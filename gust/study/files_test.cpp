@@ -146,3 +146,51 @@ TEST_CASE("a pattern names files sorted by their bytes, relative to the base") {
   CHECK(names("p/z.onnx") == "p/z.onnx ");
   CHECK(names("z/*.onnx") == "");
 }
+
+namespace {
+
+/// The files that a pattern names, relative to its base.
+std::string found(const fs::path& base, std::string_view pattern) {
+  std::string text;
+  for (const fs::path& path : glob_files(base, pattern)) text += path.lexically_relative(base).string() + " ";
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("what is there by the very name of a part is meant, and a pattern only where it is not") {
+  const TestFolder folder;
+  for (const char* name : {"p1", "p[1]", "p[2]", "p3", "run[a]/x.onnx", "runa/x.onnx", "r[b]/p[4]", "r[b]/p4", "s*t"})
+    put_file(folder / name, "");
+
+  CHECK(found(folder.path(), "p[1]") == "p[1] ");
+  CHECK(found(folder.path(), "p[3]") == "p3 ");
+  CHECK(found(folder.path(), "p[13]") == "p1 p3 ");
+  CHECK(found(folder.path(), "run[a]/*.onnx") == "run[a]/x.onnx ");
+  CHECK(found(folder.path(), "r*/p[4]") == "r[b]/p[4] ");
+  CHECK(found(folder.path(), "s*t") == "s*t ");
+  CHECK(found(folder.path(), "p\\[?]") == "p[1] p[2] ");
+  CHECK(found(folder / "r[b]", "p?") == "p4 ");
+  CHECK(found(folder / "r[b]", "*") == "p4 p[4] ");
+  CHECK(found(folder.path(), (folder / "r[b]/p*").string()) == "r[b]/p4 r[b]/p[4] ");
+}
+
+TEST_CASE("two stars are all folders below, this one included, hidden ones and links left out, each file once") {
+  const TestFolder folder;
+  for (const char* name : {"top.onnx", "runs/top.onnx", "runs/a/s1.onnx", "runs/b/x/s2.onnx", "runs/b/x/n.txt",
+                           "runs/.git/s3.onnx", "elsewhere/s4.onnx"})
+    put_file(folder / name, "");
+  fs::create_directory_symlink(folder / "runs", folder / "runs/b/loop");
+  fs::create_directory_symlink(folder / "elsewhere", folder / "runs/linked");
+  fs::create_symlink(folder / "elsewhere/s4.onnx", folder / "runs/a/s4.onnx");
+
+  const std::string all = "runs/a/s1.onnx runs/a/s4.onnx runs/b/x/s2.onnx runs/top.onnx ";
+  CHECK(found(folder.path(), "runs/**/*.onnx") == all);
+  CHECK(found(folder.path(), "runs/**/**/*.onnx") == all);
+  CHECK(found(folder.path(), "runs/**/x/*.onnx") == "runs/b/x/s2.onnx ");
+  CHECK(found(folder.path(), "**/s2.onnx") == "runs/b/x/s2.onnx ");
+  CHECK(found(folder.path(), "runs/b/**") == "runs/b/x/n.txt runs/b/x/s2.onnx ");
+  CHECK(found(folder / "runs/a", "../linked/**/*.onnx") == "../linked/s4.onnx ");
+  CHECK(message_of([&] { found(folder.path(), "runs/**.onnx"); }) ==
+        "'**' stands for folders and must be a part of its own, as in 'runs/**/*.onnx', got '**.onnx'");
+}

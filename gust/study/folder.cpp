@@ -108,15 +108,15 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
   const fs::path base = file.parent_path();
   const FindFiles find = [&](const std::string& pattern, const Place& place) {
     std::vector<StudyPolicy::File> files;
-    for (const fs::path& path : glob_files(base, pattern)) {
-      try {
+    try {
+      for (const fs::path& path : glob_files(base, pattern)) {
         std::string bytes = read_file(path);
         OnnxData data = read_onnx_data(path, bytes);
         files.push_back(
             {path.lexically_relative(base.empty() ? "." : base).string(), std::move(bytes), std::move(data)});
-      } catch (const Error& error) {
-        throw error_at(place, error.what());
       }
+    } catch (const Error& error) {
+      throw error_at(place, error.what());
     }
     return files;
   };

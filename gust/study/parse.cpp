@@ -1,6 +1,7 @@
 #include "gust/study/parse.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "gust/study/toml.h"
 #include "gust/study/trials.h"
@@ -160,7 +161,13 @@ std::size_t Sweep::cells() const {
 
 std::string Sweep::unit(const PlantSpec& spec, std::size_t axis) const {
   if (!axes[axis].parameter.empty()) return spec.parameters[axes[axis].index].unit;
-  return injection->site == Site::kObservation ? "state units" : channels_of(injection->site, spec).front().unit;
+  const std::vector<Component>& channels = channels_of(injection->site, spec);
+  std::vector<std::string> units;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const bool known = std::ranges::find(units, channels[c].unit) != units.end();
+    if (injection->factors[c] != 0 && !known) units.push_back(channels[c].unit);
+  }
+  return join(units, ", ");
 }
 
 std::string Sweep::setting(const PlantSpec& spec) const {
@@ -169,6 +176,13 @@ std::string Sweep::setting(const PlantSpec& spec) const {
   for (const Injection& injection : disturbed)
     parts.push_back(cat(site_name(injection.site), " ", injection.waveform.kind, " at ", injection.level));
   return join(parts, ", ");
+}
+
+std::vector<std::size_t> starts_to_tell(const Study& study) {
+  std::vector<std::size_t> order(study.starts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_partition(order, [&](std::size_t start) { return study.starts[start].random; });
+  return order;
 }
 
 std::size_t margin_metric(const Study& study) {

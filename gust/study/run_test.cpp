@@ -1,10 +1,14 @@
 #include "gust/study/run.h"
 
 #include <doctest/doctest.h>
+#include <sqlite3.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "gust/study/export.h"
 #include "gust/study/files.h"
@@ -85,7 +89,7 @@ TEST_CASE("a summary agrees with the rows it came from") {
   double sum = 0;
   std::size_t count = 0;
   for_each_export_row(study, outcome.plan, store, [&](const ExportRow& row) {
-    if (row.policy == "lqr" && row.site == "dynamics" && row.level == "1" && row.start == "random" &&
+    if (row.policy == "lqr" && row.site == "dynamics" && row.level == 1 && row.start == "random" &&
         row.metric == "anr") {
       sum += row.value;
       ++count;
@@ -148,7 +152,7 @@ TEST_CASE("a claim whose trial is missing is told, and not decided") {
 
   const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
 
-  CHECK(claims_table(summary) == "not testable  falls  survival <= 0.8  not measured\n");
+  CHECK(claims_table(summary, 80) == "not testable  falls  survival <= 0.8  not measured\n");
 }
 
 TEST_CASE("kept episodes and curves are read back as they were written") {
@@ -212,4 +216,144 @@ policy = [{ name = "ppo", kind = "train", agent = { kind = "ppo", steps = 2000 }
   const std::string before = trained({});
   CHECK(trained({"readings.saturate=before"}) == before);
   CHECK(trained({"readings.tap_point=tip"}) == before);
+}
+
+namespace {
+
+/// Sweeps of every kind, many of them alike in all but one thing.
+constexpr std::string_view kManySweeps = R"(
+[[sweep]]
+name = "step on fx"
+site = "dynamics"
+channels = "fx"
+waveform = { kind = "step", offset = 2 }
+levels = [0, 1]
+
+[[sweep]]
+name = "step on fz, half as strong"
+site = "dynamics"
+channels = { fz = 0.5 }
+waveform = { kind = "step", offset = 2 }
+levels = [0, 1]
+
+[[sweep]]
+name = "step, late"
+site = "dynamics"
+channels = "fx"
+waveform = { kind = "step", offset = 2 }
+start = 50
+end = 200
+levels = [0, 1]
+
+[[sweep]]
+name = "step in wind"
+site = "dynamics"
+channels = "fx"
+waveform = { kind = "step", offset = 2 }
+disturb = [{ site = "dynamics", waveform = "white", level = 0.5 }]
+levels = [0, 1]
+
+[[sweep]]
+name = "step, stronger wind"
+site = "dynamics"
+channels = "fx"
+waveform = { kind = "step", offset = 2 }
+disturb = [{ site = "dynamics", waveform = { kind = "white", std = 2 }, level = 0.5 }]
+levels = [0, 1]
+
+[[sweep]]
+name = "step, long pole"
+site = "dynamics"
+channels = "fx"
+waveform = { kind = "step", offset = 2 }
+params = { pole_length = "x1.5" }
+levels = [0, 1]
+
+[[sweep]]
+name = "length"
+vary = "pole_length"
+scale = [0.5, 1]
+
+[[sweep]]
+name = "length in wind"
+vary = "pole_length"
+scale = [0.5, 1]
+disturb = [{ site = "dynamics", waveform = "white", level = 0.5 }]
+
+[[sweep]]
+name = "length and mass"
+grid = { pole_length = [0.4, 0.6], cart_mass = [0.8, 1.2] }
+
+[[sweep]]
+name = "length and level"
+site = "action"
+waveform = "white"
+grid = { pole_length = [0.4, 0.6], level = [0, 2] }
+)";
+
+/// What is counted by a statement on an SQLite file.
+std::int64_t counted(const std::filesystem::path& file, const char* sql) {
+  sqlite3* database = nullptr;
+  sqlite3_stmt* statement = nullptr;
+  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
+  REQUIRE(sqlite3_prepare_v2(database, sql, -1, &statement, nullptr) == SQLITE_OK);
+  REQUIRE(sqlite3_step(statement) == SQLITE_ROW);
+  const std::int64_t count = sqlite3_column_int64(statement, 0);
+  sqlite3_finalize(statement);
+  sqlite3_close(database);
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("no two exported rows agree in all but the value, whatever kinds of sweeps a study has") {
+  const ScratchFolder folder("gust-run-keys");
+  Study study = small_study({}, cat(kSmallStudy, kManySweeps));
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+  REQUIRE(outcome.failed() == 0);
+
+  export_csv(study, outcome.plan, store, folder.path / "rows.csv");
+  export_sqlite(study, outcome.plan, store, folder.path / "rows.db");
+
+  const std::string csv = read_file(folder.path / "rows.csv");
+  std::set<std::string_view> keys;
+  std::size_t rows = 0;
+  for (std::string_view rest = csv; !rest.empty(); ++rows) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    keys.insert(line.substr(0, line.rfind(',')));
+    rest.remove_prefix(line.size() + 1);
+  }
+  const std::size_t cells = 2 * (1 + 3 + 2 + 6 * 2 + 2 * 2 + 2 * 4);
+  CHECK(rows == 1 + cells * 2 * 3 * MetricSet().size());
+  CHECK(keys.size() == rows);
+  CHECK(counted(folder.path / "rows.db", "select count(*) from episodes") == static_cast<std::int64_t>(rows) - 1);
+  CHECK(counted(folder.path / "rows.db",
+                "select count(*) from (select distinct plant, preset, readings, policy, seed, sweep, site, channels, "
+                "waveform, window, vary, level, level_2, start, episode, metric from episodes)") ==
+        static_cast<std::int64_t>(rows) - 1);
+}
+
+TEST_CASE("an exported row says which sweep it belongs to, and its levels are numbers") {
+  const ScratchFolder folder("gust-run-columns");
+  Study study = small_study({}, cat(kSmallStudy, kManySweeps));
+  const Store store(folder.path / "store", Store::Access::write);
+  const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+  std::map<std::string, ExportRow> last;
+
+  for_each_export_row(study, outcome.plan, store, [&](const ExportRow& row) { last[row.sweep] = row; });
+  export_sqlite(study, outcome.plan, store, folder.path / "rows.db");
+
+  const ExportRow& late = last.at("step, late");
+  CHECK(cat(late.site, "|", late.channels, "|", late.window, "|", late.vary) == "dynamics|fx|50:200|");
+  CHECK(late.level == 1);
+  CHECK(std::isnan(late.level_2));
+  CHECK(last.at("step on fz, half as strong").channels == "fz=0.5");
+  CHECK(last.at("push").window == "0:250");
+  const ExportRow& grid = last.at("length and level");
+  CHECK(cat(grid.vary, "|", grid.level, "|", grid.level_2) == "pole_length*level|0.6|2");
+  CHECK(last.at("length and mass").site == "parameters");
+  CHECK(last.at("none").level == 0);
+  CHECK(counted(folder.path / "rows.db", "select count(*) from episodes where level = 0.6 and level_2 = 2") > 0);
+  CHECK(counted(folder.path / "rows.db", "select count(*) from episodes where typeof(level) <> 'real'") == 0);
 }

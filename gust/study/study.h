@@ -63,7 +63,7 @@ struct Sweep {
   std::vector<std::pair<std::size_t, double>> parameters;  ///< of the plant, by index: other values in all cells
 
   std::size_t cells() const;
-  /// Of an axis: the parameter's, or what the disturbance is measured in ("state units" for an observation).
+  /// Of an axis: the parameter's, or what the disturbed channels are measured in: "N", "rad", "m, rad" of several.
   std::string unit(const PlantSpec& spec, std::size_t axis = 0) const;
   /// What is different in all cells, for people: "pole_mass = 0.15, observation uniform at 0.05"; empty if nothing is.
   std::string setting(const PlantSpec& spec) const;
@@ -122,6 +122,9 @@ struct Study {
   MetricSet metric_set;
   std::vector<std::vector<StudyPolicy::File>> found;  ///< every file that was read, by pattern, in the order of asking
 };
+
+/// The starts of a study by index, in the order in which results are told: random ones first.
+std::vector<std::size_t> starts_to_tell(const Study& study);
 
 /// What margins are of, and score() in claims: the first leading metric that is better when higher, but not survival,
 /// which has no slope.

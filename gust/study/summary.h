@@ -100,7 +100,7 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
 /// What a claim was decided from: "0.5 [0.25, 0.75] (4 episodes)", or why there is nothing.
 std::string measured_text(const ClaimVerdict& verdict);
 
-/// The verdicts of the claims, one line each.
-std::string claims_table(const Summary& summary);
+/// The verdicts of the claims, one line each; where that is wider than `columns`, one below the other and wrapped.
+std::string claims_table(const Summary& summary, std::size_t columns);
 
 }  // namespace gust

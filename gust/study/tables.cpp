@@ -11,13 +11,8 @@
 namespace gust {
 namespace {
 
-/// How many columns a text takes, one a code point.
-std::size_t width(std::string_view text) {
-  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
-}
-
 std::string padded(const std::string& text, std::size_t columns) {
-  return text + std::string(columns - std::min(columns, width(text)), ' ');
+  return text + std::string(columns - std::min(columns, text_width(text)), ' ');
 }
 
 using TextRows = std::vector<std::vector<std::string>>;
@@ -28,7 +23,7 @@ std::vector<std::size_t> widths_of(const TextRows& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], text_width(row[c]));
   }
   return widths;
 }
@@ -132,13 +127,25 @@ std::string measured_text(const ClaimVerdict& verdict) {
   return std::isfinite(verdict.measured.estimate) ? interval_text(verdict.measured) : verdict.verdict.reason;
 }
 
-std::string claims_table(const Summary& summary) {
+std::string claims_table(const Summary& summary, std::size_t columns) {
   TextRows rows;
   for (const ClaimVerdict& verdict : summary.claims) {
     rows.push_back({std::string(ruling_name(verdict.verdict.ruling)), verdict.claim->id, verdict.claim->holds,
                     measured_text(verdict), verdict.claim->text});
   }
-  return aligned(rows);
+  const std::vector<std::size_t> widths = widths_of(rows);
+  if (rows.empty() || total(widths) <= columns) return aligned(rows);
+  const std::size_t indent = widths.front() + kGap;
+  const std::size_t room = columns - std::min(columns, indent);
+  std::string text;
+  for (const auto& row : rows) {
+    text += padded(row.front(), indent);
+    for (std::size_t c = 1; c < row.size(); ++c) {
+      if (row[c].empty()) continue;
+      text += cat(c == 1 ? "" : std::string(indent, ' '), wrapped(row[c], room, indent), "\n");
+    }
+  }
+  return text;
 }
 
 }  // namespace gust

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <span>
 
@@ -32,9 +33,10 @@ void warn_of_axis(const Study& study, const Sweep& sweep, const Sweep::Axis& axi
   warnings.push_back(out_of_reach(study.setup, axis.index, what));
 }
 
-/// Injections whose window closes before their shape begins.
-void warn_of_windows(std::span<const Injection> injections, const std::string& whose,
-                     std::vector<std::string>& warnings) {
+/// Injections whose window closes before their shape begins, and waves whose shape is coarse.
+void warn_of_injections(std::span<const Injection> injections, const PlantSpec& spec, const std::string& whose,
+                        std::vector<std::string>& warnings) {
+  std::ranges::move(wave_warnings(injections, spec, whose), std::back_inserter(warnings));
   for (const Injection& injection : injections) {
     if (injection.end > injection.waveform->onset()) continue;
     warnings.push_back(cat(whose, ": the ", site_name(injection.site), " ", injection.waveform.kind,
@@ -68,6 +70,20 @@ Limits possible_values(const Setup& setup, std::size_t parameter) {
   return boxed ? of.by_box : of.by_actuator;
 }
 
+std::vector<std::string> wave_warnings(std::span<const Injection> injections, const PlantSpec& spec,
+                                       const std::string& whose) {
+  constexpr double kFewSamples = 10;  // a period; a sine of as many may miss its peak by 5 %
+  std::vector<std::string> warnings;
+  for (const Injection& injection : injections) {
+    const double frequency = injection.waveform->frequency();
+    if (kFewSamples * frequency <= spec.control_rate) continue;
+    warnings.push_back(fmt::format("{}the {} {} of {:.6g} Hz has {:.3g} samples a period: its shape is coarse",
+                                   whose.empty() ? "" : whose + ": ", site_name(injection.site),
+                                   injection.waveform.kind, frequency, spec.control_rate / frequency));
+  }
+  return warnings;
+}
+
 std::vector<std::string> plant_warnings(const Setup& setup) {
   std::vector<std::string> warnings;
   const std::vector<Parameter>& parameters = setup.plant->spec().parameters;
@@ -96,11 +112,12 @@ std::vector<std::string> draw_warnings(const Setup& setup, const Randomisation& 
 }
 
 std::vector<std::string> study_warnings(const Study& study) {
+  const PlantSpec& spec = study.setup.plant->spec();
   std::vector<std::string> warnings = plant_warnings(study.setup);
-  warn_of_windows(study.always, "evaluate", warnings);
+  warn_of_injections(study.always, spec, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
     if (!policy.unit_warning.empty()) warnings.push_back(cat("policy '", policy.name, "': ", policy.unit_warning));
-    warn_of_windows(policy.disturbed, cat("policy '", policy.name, "'"), warnings);
+    warn_of_injections(policy.disturbed, spec, cat("policy '", policy.name, "'"), warnings);
     for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));
   }
@@ -108,8 +125,9 @@ std::vector<std::string> study_warnings(const Study& study) {
     for (const Sweep::Axis& axis : sweep.axes) {
       if (!axis.parameter.empty()) warn_of_axis(study, sweep, axis, warnings);
     }
-    if (sweep.injection) warn_of_windows({&*sweep.injection, 1}, cat("sweep '", sweep.name, "'"), warnings);
-    warn_of_windows(sweep.disturbed, cat("sweep '", sweep.name, "'"), warnings);
+    const std::string whose = cat("sweep '", sweep.name, "'");
+    if (sweep.injection) warn_of_injections({&*sweep.injection, 1}, spec, whose, warnings);
+    warn_of_injections(sweep.disturbed, spec, whose, warnings);
     const std::vector<double>& levels = sweep.axes.front().values;
     if (sweep.along_levels() && levels.size() > 1 && levels.front() < 0)
       warnings.push_back(cat("sweep '", sweep.name, "' has no margins: its levels begin at ", levels.front(),

@@ -96,3 +96,22 @@ TEST_CASE("angles that look like degrees are told") {
   CHECK(told("theta_limit = 3.141593").empty());  // rounded up
   CHECK(told("theta_limit = 3.15").size() == 1);
 }
+
+TEST_CASE("waves with fewer than ten samples a period are told wherever they are on, and those with ten are not") {
+  const auto wave = [](std::string_view site, double frequency) {
+    return cat("site = \"", site, "\", waveform = { kind = \"sine\", frequency = ", frequency, " }");
+  };
+  const std::string tables =
+      cat("[evaluate]\ndisturb = [{ ", wave("dynamics", 10), ", level = 1 }]\n",
+          "[[policy]]\nname = \"ppo\"\nkind = \"train\"\nagent = { kind = \"ppo\", disturb = [{ ", wave("action", 20),
+          ", level = 1 }] }\n[[sweep]]\nname = \"fast\"\nlevels = [0, 1]\nsite = \"action\"\n",
+          "waveform = { kind = \"triangle\", frequency = 6 }\ndisturb = [{ ", wave("observation", 12.5),
+          ", level = 1 }]\n[[sweep]]\nname = \"slow\"\nlevels = [0, 1]\nsite = \"action\"\n",
+          "waveform = { kind = \"sine\", frequency = 5 }\n");
+
+  CHECK(warnings_of("none", tables) ==
+        Warnings{"evaluate: the dynamics sine of 10 Hz has 5 samples a period: its shape is coarse",
+                 "policy 'ppo': the action sine of 20 Hz has 2.5 samples a period: its shape is coarse",
+                 "sweep 'fast': the action triangle of 6 Hz has 8.33 samples a period: its shape is coarse",
+                 "sweep 'fast': the observation sine of 12.5 Hz has 4 samples a period: its shape is coarse"});
+}

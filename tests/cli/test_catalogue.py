@@ -6,6 +6,7 @@ import subprocess
 import tomllib
 
 import pytest
+from conftest import PROGRAM, in_terminal
 
 KINDS = ["plants", "waveforms", "agents", "distributions", "metrics", "presets", "sites", "commands"]
 
@@ -114,3 +115,11 @@ def test_other_shells_have_a_script_with_everything(gust, tmp_path, shell):
     if shutil.which(shell):
         (tmp_path / "script").write_text(script)
         subprocess.run([shell, "-n", tmp_path / "script"], check=True)
+
+
+@pytest.mark.parametrize("columns", [60, 80, 200])
+def test_help_and_lists_reflow_to_the_terminal(gust, tmp_path, columns):
+    for arguments in (["help", "eval"], ["help"], ["export", "--help"], ["list"], ["describe", "metric", "length"]):
+        lines = in_terminal([PROGRAM, *arguments], tmp_path, columns).splitlines()
+        words = [line for line in lines if line.strip().count(" ") > 0 and not line.lstrip().startswith(("-", "{", "["))]
+        assert max(map(len, words)) <= min(columns, 100), arguments

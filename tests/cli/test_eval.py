@@ -108,3 +108,13 @@ def test_table_is_for_people(gust):
     done = gust("eval", "lqr", "--plant", "cartpole", "--start", "random", "--episodes", "5")
     assert done.stdout.startswith("5 episodes, 0 failed\n")
     assert "rmse_paper" in done.stdout and "greatest" in done.stdout
+
+
+def test_table_has_units_and_only_what_the_plant_has(gust):
+    cartpole = gust("eval", "lqr", "--plant", "cartpole").stdout
+    quadrotor = gust("eval", "lqr", "--plant", "quadrotor").stdout
+
+    for head in ("max_abs_x [m] ", "max_abs_theta [rad] ", "time_to_failure [s] ", "length [control steps] "):
+        assert head in cartpole and head in quadrotor
+    assert "ground_contact" not in cartpole and "ground_contact" in quadrotor
+    assert len({len(line) for line in cartpole.splitlines()[2:]}) == 1  # the columns are aligned

@@ -26,7 +26,8 @@ def blocks(language):
 
 
 def commands_of(text, document):
-    """The lines of a text that call the program, without comments and placeholders."""
+    """The lines of a text that call the program, without comments and placeholders; broken ones are joined."""
+    text = re.sub(r" *\\\n +", " ", text)
     for line in re.findall(r"^ *((?:source <\()?gust [^\n]*)", text, re.M):
         command = line.split("  #")[0].strip()
         if not PLACEHOLDER.search(command):

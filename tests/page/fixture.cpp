@@ -7,6 +7,7 @@
 
 #include "gust/core/error.h"
 #include "gust/core/rng.h"
+#include "gust/eval/margin.h"
 
 namespace gust {
 namespace {
@@ -125,11 +126,20 @@ void add_sites(Page& page) {
                                   start,
                                   {censored ? end : level, censored ? end : level - spread, level + spread},
                                   censored,
-                                  0.98});
+                                  0.98,
+                                  {}});
           if (censored) page.margins.back().level.high = std::numeric_limits<double>::infinity();
         }
       }
     }
+  }
+}
+
+/// Gives the margins their texts.
+void tell_margins(Page& page) {
+  for (Page::Margin& margin : page.margins) {
+    const Interval level{.estimate = margin.level.value, .low = margin.level.low, .high = margin.level.high};
+    margin.text = margin_text({.level = level, .censored = margin.censored, .last_level = margin.level.value});
   }
 }
 
@@ -279,10 +289,12 @@ Page demo_page() {
   add_learning(page);
   page.episodes = {episode(0, 2, 0.4), episode(0, 2, 1.6), episode(1, 2, 1.6),
                    episode(0, 1, 4),   episode(1, 1, 9.5), episode(1, 0, 0.15)};
-  page.worst = {{5, 0, 0, 1.6, {0.31, 0.28, 0.35}, 0.98, 1},
-                {5, 1, 0, 1.6, {0.36, 0.31, 0.44}, 0.98, 2},
-                {4, 1, 1, 9.5, {0.42, 0.38, 0.47}, 0.97, 4},
-                {0, 3, 1, 0.27, {0.44, Page::kUnknown, Page::kUnknown}, 0.97, Page::kNone}};
+  tell_margins(page);
+  for (Page::Margin& margin : page.margins) {
+    for (std::size_t e = page.episodes.size(); e-- > 0;) {
+      if (page.episodes[e].policy == margin.policy && page.episodes[e].sweep == margin.sweep) margin.episode = e;
+    }
+  }
   page.claims = {{"step-2N", "PPO survives an action step of 2 N.", "survival >= 0.95", "1.00 [0.87, 1.00]",
                   Page::Verdict::kHolds, true},
                  {"beats-lqr", "PPO stands a larger dynamics step than LQR.", "margin(ppo) > margin(lqr)",
@@ -298,8 +310,7 @@ Page single_page() {
   page.policies.resize(1);
   std::erase_if(page.curves, other);
   std::erase_if(page.margins, other);
-  std::erase_if(page.worst, other);
-  for (auto& cell : page.worst) cell.episode = 0;
+  for (auto& margin : page.margins) margin.episode = 0;
   std::erase_if(page.episodes, other);
   for (auto& grid : page.grids) std::erase_if(grid.layers, other);
   page.learning.clear();
@@ -367,7 +378,7 @@ Page large_page() {
     const auto& levels = page.sweeps[sweep].levels;
     for (std::size_t p = 0; p < 20; ++p) {
       for (std::size_t start = 0; start < 2; ++start) {
-        page.margins.push_back({sweep, p, start, {levels[50], levels[45], levels[55]}, false, 0.98});
+        page.margins.push_back({sweep, p, start, {levels[50], levels[45], levels[55]}, false, 0.98, {}});
         for (std::size_t metric = 0; metric < page.metrics.size(); ++metric) {
           Page::Curve curve{sweep, p, start, metric, {}};
           for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -381,6 +392,7 @@ Page large_page() {
       }
     }
   }
+  tell_margins(page);
   return page;
 }
 

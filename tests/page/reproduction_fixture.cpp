@@ -18,7 +18,6 @@ Page empty_page(const Page& of, std::string name) {
   page.margins.clear();
   page.grids.clear();
   page.learning.clear();
-  page.worst.clear();
   page.claims.clear();
   page.episodes.clear();
   return page;

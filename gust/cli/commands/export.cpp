@@ -10,6 +10,13 @@
 namespace gust {
 namespace {
 
+constexpr const char* kFooter =
+    "Example:\n  gust export demo.gust --csv demo.csv\n\n"
+    "Columns: plant, preset, readings, policy, seed (or file); sweep (its name), site, channels (with factors that are "
+    "not 1), waveform, window (control steps start:end) of what is swept, \"none\" where nothing is; vary (parameters "
+    "along the axes, and what else the sweep sets); level and, of a grid, level_2; start, episode, metric, value. No "
+    "two rows agree in all but the value.";
+
 /// Tells which evaluations a table lacks, those of a training that failed together, and gives the exit code.
 int tell_what_lacks(const OpenStudy& open, const std::vector<std::size_t>& missing) {
   std::map<std::string, std::size_t> of_failed;
@@ -39,7 +46,7 @@ void command_export(CLI::App& app, int& exit_code) {
       command->add_option("--sqlite", options->sqlite, "SQLite file: the same, and the learning curves");
   csv->type_name("FILE");
   sqlite->type_name("FILE");
-  command->footer("Example:\n  gust export demo.gust --csv demo.csv");
+  command->footer(kFooter);
   command->callback([options, &exit_code] {
     if (options->csv.empty() && options->sqlite.empty())
       throw Error("where to? give --csv FILE, --sqlite FILE, or both (gust export --help)");

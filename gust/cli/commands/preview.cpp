@@ -1,12 +1,15 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "gust/cli/command.h"
 #include "gust/cli/terminal_chart.h"
+#include "gust/core/text.h"
 #include "gust/study/folder.h"
 #include "gust/study/trials.h"
+#include "gust/study/warnings.h"
 
 namespace gust {
 namespace {
@@ -35,6 +38,32 @@ struct Drawn {
   double level;
 };
 
+constexpr std::size_t kUsualWidth = 80;
+constexpr std::size_t kLabels = 11;  // columns left of a chart
+
+std::size_t width() { return std::min(kUsualWidth, terminal_columns(STDOUT_FILENO, kUsualWidth)); }
+
+std::size_t chart_columns() { return std::max(width(), 2 * kLabels) - kLabels; }
+
+/// Lines that are indented by so many spaces, and their continuations by two more.
+std::string indented(const std::string& text, std::size_t indent) {
+  return cat(std::string(indent, ' '), wrapped(text, width() - indent - 2, indent + 2), "\n");
+}
+
+/// What is left of a wave at the control steps of its window: how often it is sampled, and how far it swings.
+std::string sampled_text(const Drawn& drawn, std::span<const double> values, double factor, const PlantSpec& spec) {
+  const double frequency = drawn.injection.waveform->frequency();
+  if (frequency == 0) return {};
+  const std::int64_t end = std::min(drawn.injection.end, spec.steps);
+  const auto [low, high] = std::ranges::minmax(values.subspan(static_cast<std::size_t>(drawn.injection.start),
+                                                              static_cast<std::size_t>(end - drawn.injection.start)));
+  const double scale = drawn.level * factor;
+  return fmt::format("{:.4g} samples a period: {:.4g} to {:.4g} of the level reach the {}",
+                     spec.control_rate / frequency, std::min(low / scale, high / scale),
+                     std::max(low / scale, high / scale),
+                     drawn.injection.site == Site::kObservation ? "policy" : "plant");
+}
+
 std::string drawing(const Drawn& drawn, const Signals& signals, const PlantSpec& spec) {
   const std::vector<Component>& channels = channels_of(drawn.injection.site, spec);
   std::string text;
@@ -46,10 +75,13 @@ std::string drawing(const Drawn& drawn, const Signals& signals, const PlantSpec&
     for (std::size_t k = 0; k < values.size(); ++k) {
       values[k] = drawn.level * signals.channel(drawn.index, group.front())[k];
     }
-    text += cat("  ", join(names, ", "), "\n", terminal_chart(values, {.unicode = locale_is_utf8()}));
+    text += indented(join(names, ", "), 2);
+    const std::string sampled = sampled_text(drawn, values, drawn.injection.factors[group.front()], spec);
+    if (!sampled.empty()) text += indented(sampled, 2);
+    text += terminal_chart(values, {.columns = chart_columns(), .unicode = locale_is_utf8()});
   }
-  return text + fmt::format("{:>11}{:<8.4g}{:>{}.4g} s\n", "", 0.0, static_cast<double>(spec.steps) / spec.control_rate,
-                            ChartStyle{}.columns - 10);
+  return text + fmt::format("{:>{}}{:<8.4g}{:>{}.4g} s\n", "", kLabels, 0.0,
+                            static_cast<double>(spec.steps) / spec.control_rate, chart_columns() - 10);
 }
 
 std::string numbers_text(const std::vector<double>& values) {
@@ -76,15 +108,15 @@ double shown_level(const Sweep& sweep) {
 
 std::string preview_sweep(const Study& study, std::size_t index) {
   const Sweep& sweep = study.sweeps[index];
-  std::string text = cat("\n", sweep.name, ": ", axes_text(sweep), "\n");
+  std::string text = cat("\n", indented(cat(sweep.name, ": ", axes_text(sweep)), 0));
   const std::string setting = sweep.setting(study.setup.plant->spec());
-  if (!setting.empty()) text += cat("  with ", setting, "\n");
+  if (!setting.empty()) text += indented(cat("with ", setting), 2);
   if (!sweep.injection) return text;
   Trial trial;
   trial.sweep = index;
   const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
   const Drawn drawn{*sweep.injection, task->injections.size() - 1, shown_level(sweep)};
-  text += cat("  ", sweep.injection->canonical(), "; drawn at level ", drawn.level, "\n");
+  text += indented(cat(sweep.injection->canonical(), "; drawn at level ", drawn.level), 2);
   return text + drawing(drawn, episode_signals(task->evaluation, 0), study.setup.plant->spec());
 }
 
@@ -94,7 +126,7 @@ std::string preview_always(const Study& study) {
   std::string text;
   for (std::size_t i = 0; i < study.always.size(); ++i) {
     const Drawn drawn{study.always[i], i, study.always[i].level};
-    text += cat("\nin every evaluation\n  ", drawn.injection.canonical(), "; level ", drawn.level, "\n");
+    text += cat("\nin every evaluation\n", indented(cat(drawn.injection.canonical(), "; level ", drawn.level), 2));
     text += drawing(drawn, episode_signals(task->evaluation, 0), study.setup.plant->spec());
   }
   return text;
@@ -105,7 +137,8 @@ std::string preview_training(const Study& study) {
   std::string text;
   for (const StudyPolicy& policy : study.policies) {
     for (const Injection& injection : policy.disturbed) {
-      text += cat("\nwhile ", policy.name, " trains\n  ", injection.canonical(), "; level ", injection.level, "\n");
+      text += cat("\n", indented(cat("while ", policy.name, " trains"), 0),
+                  indented(cat(injection.canonical(), "; level ", injection.level), 2));
     }
   }
   return text;
@@ -129,8 +162,10 @@ void command_preview(CLI::App& app, int&) {
   command->callback([options] {
     const Study study = StudyFolder::read(options->study, options->settings);
     const PlantSpec& spec = study.setup.plant->spec();
-    std::string text = cat(study.name, ": ", study.setup.plant.kind, ", ", study.setup.preset, ", ", spec.steps,
-                           " control steps at ", spec.control_rate, " Hz\n");
+    for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
+    std::string text = indented(cat(study.name, ": ", study.setup.plant.kind, ", ", study.setup.preset, ", ",
+                                    spec.steps, " control steps at ", spec.control_rate, " Hz"),
+                                0);
     text += preview_always(study) + preview_training(study);
     for (std::size_t i = 0; i < study.sweeps.size(); ++i) text += preview_sweep(study, i);
     print_lines(text);

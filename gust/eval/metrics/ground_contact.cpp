@@ -8,6 +8,7 @@ struct GroundContact {
   static constexpr std::string_view kUnit = "";
   static constexpr std::tuple<> kFields = {};
 
+  static bool applies(const PlantSpec& spec) { return spec.contact.has_value(); }
   double value(const Episode& episode) const { return episode.touched_ground ? 1.0 : 0.0; }
 };
 

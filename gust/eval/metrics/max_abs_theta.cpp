@@ -8,6 +8,7 @@ struct MaxAbsTheta {
   static constexpr std::string_view kUnit = "rad";
   static constexpr std::tuple<> kFields = {};
 
+  static bool applies(const PlantSpec& spec) { return has_state(spec, spec.angle, "theta"); }
   double value(const Episode& episode) const { return max_abs(episode.ended, episode.angle); }
 };
 

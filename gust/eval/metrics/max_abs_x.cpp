@@ -8,6 +8,7 @@ struct MaxAbsX {
   static constexpr std::string_view kUnit = "m";
   static constexpr std::tuple<> kFields = {};
 
+  static bool applies(const PlantSpec& spec) { return has_state(spec, 0, "x"); }
   double value(const Episode& episode) const { return max_abs(episode.ended, 0); }
 };
 
