@@ -14,6 +14,8 @@ class Metric {
   virtual double value(const Episode& episode) const = 0;
   virtual bool higher_is_better() const = 0;
   virtual std::string_view unit() const = 0;
+  /// Whether an episode gives 0 or 1, so that the mean is a share of successes (share.h).
+  virtual bool is_zero_or_one() const = 0;
 };
 
 /// Every metric there is, in the order of metrics/list.inc.

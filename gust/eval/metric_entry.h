@@ -8,7 +8,7 @@
 namespace gust {
 
 /// The metric of a struct with `static constexpr bool kHigherIsBetter`, `static constexpr std::string_view kUnit` and
-/// `double value(const Episode&) const`.
+/// `double value(const Episode&) const`, and `static constexpr bool kZeroOrOne = true` if that is 0 or 1.
 template <class Options>
 class OptionsMetric final : public Metric {
  public:
@@ -16,6 +16,9 @@ class OptionsMetric final : public Metric {
   double value(const Episode& episode) const override { return options_.value(episode); }
   bool higher_is_better() const override { return Options::kHigherIsBetter; }
   std::string_view unit() const override { return Options::kUnit; }
+  bool is_zero_or_one() const override {
+    return requires { requires Options::kZeroOrOne; };
+  }
 
  private:
   Options options_;

@@ -12,8 +12,8 @@
 #include "gust/eval/compare.h"
 #include "gust/eval/margin.h"
 #include "gust/eval/rank_correlation.h"
+#include "gust/eval/share.h"
 #include "gust/eval/statistics.h"
-#include "gust/eval/survival.h"
 
 namespace gust {
 namespace {

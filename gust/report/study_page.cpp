@@ -244,12 +244,12 @@ class PageWriter {
 
   void claims() {
     for (const ClaimVerdict& verdict : summary_.claims) {
-      const Ruling ruling = verdict.verdict.ruling;
+      const Ruling ruling = verdict.finding.verdict.ruling;
       const Page::Verdict shown = ruling == Ruling::holds   ? Page::Verdict::kHolds
                                   : ruling == Ruling::fails ? Page::Verdict::kFails
                                                             : Page::Verdict::kUndecided;
-      page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds, measured_text(verdict),
-                              shown, verdict.claim->required});
+      page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds,
+                              measured_text(verdict.finding), shown, verdict.claim->required});
     }
   }
 

@@ -58,10 +58,10 @@ TEST_CASE("a study's formulas are judged on its scores") {
                                         "[[claim]]\nid = \"g\"\nholds = \"score('nothing') >= score('lqr')\"\n");
 
   REQUIRE(run.summary.claims.size() == 2);
-  CHECK(run.summary.claims[0].verdict.ruling == Ruling::holds);
-  CHECK(run.summary.claims[1].verdict.ruling == Ruling::fails);
-  CHECK(run.summary.claims[1].measured.estimate < 0);
-  CHECK(run.summary.claims[1].measured.high < 0);
+  CHECK(run.summary.claims[0].finding.verdict.ruling == Ruling::holds);
+  CHECK(run.summary.claims[1].finding.verdict.ruling == Ruling::fails);
+  CHECK(run.summary.claims[1].finding.measured.estimate < 0);
+  CHECK(run.summary.claims[1].finding.measured.high < 0);
 }
 
 TEST_CASE("scores are those of the summary, metric by metric and start by start") {
@@ -95,7 +95,7 @@ TEST_CASE("the fixed start has one episode, which says nothing about others") {
                      "[[claim]]\nid = \"f\"\nstart = \"nominal\"\nholds = \"score('lqr') > 0.5\"\n");
 
   REQUIRE(run.summary.claims.size() == 1);
-  CHECK(run.summary.claims[0].verdict.ruling == Ruling::not_testable);
+  CHECK(run.summary.claims[0].finding.verdict.ruling == Ruling::not_testable);
 }
 
 TEST_CASE("a grid is read row by row") {
@@ -119,8 +119,8 @@ TEST_CASE("what is missing in the store makes a claim not testable") {
   const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
 
   REQUIRE(summary.claims.size() == 1);
-  CHECK(summary.claims[0].verdict.ruling == Ruling::not_testable);
-  CHECK(summary.claims[0].verdict.reason.find("not measured: ") == 0);
+  CHECK(summary.claims[0].finding.verdict.ruling == Ruling::not_testable);
+  CHECK(summary.claims[0].finding.verdict.reason.find("not measured: ") == 0);
 }
 
 /// Puts a training into the store that ended without a policy.

@@ -23,13 +23,14 @@ struct StudyPolicy {
   std::string name;
   Kind kind = Kind::kZero;
   Place place;
-  LqrWeights weights;                ///< kLqr
-  std::vector<File> files;           ///< kOnnx; several count as seeds
-  Made<Agent> agent;                 ///< kTrain
-  std::vector<std::int64_t> seeds;   ///< kTrain
-  std::vector<Injection> disturbed;  ///< kTrain: on during training
-  Randomisation randomised;          ///< kTrain: parameters drawn in training
-  std::optional<double> alpha;       ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
+  LqrWeights weights;                                       ///< kLqr
+  std::vector<File> files;                                  ///< kOnnx; several count as seeds, byte-equal ones are one
+  std::vector<std::pair<std::string, std::string>> copies;  ///< kOnnx: files left out, each with the one it equals
+  Made<Agent> agent;                                        ///< kTrain
+  std::vector<std::int64_t> seeds;                          ///< kTrain
+  std::vector<Injection> disturbed;                         ///< kTrain: on during training
+  Randomisation randomised;                                 ///< kTrain: parameters drawn in training
+  std::optional<double> alpha;  ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;

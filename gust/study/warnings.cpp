@@ -91,6 +91,9 @@ std::vector<std::string> study_warnings(const Study& study) {
   }
   warn_of_windows(study.always, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
+    for (const auto& [copy, original] : policy.copies)
+      warnings.push_back(cat("policy '", policy.name, "': ", copy, " equals ", original,
+                             " byte for byte; the two are one policy and count once"));
     warn_of_windows(policy.disturbed, cat("policy '", policy.name, "'"), warnings);
     for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));

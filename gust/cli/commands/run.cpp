@@ -20,7 +20,7 @@ bool required_claims_hold(const Study& study, const Summary& summary) {
   std::size_t required = 0;
   for (const StudyClaim& claim : study.claims) required += claim.required ? 1 : 0;
   for (const ClaimVerdict& verdict : summary.claims) {
-    held += verdict.claim->required && verdict.verdict.ruling == Ruling::holds ? 1 : 0;
+    held += verdict.claim->required && verdict.finding.verdict.ruling == Ruling::holds ? 1 : 0;
   }
   return held == required;
 }

@@ -6,6 +6,7 @@ namespace {
 struct GroundContact {
   static constexpr bool kHigherIsBetter = false;
   static constexpr std::string_view kUnit = "";
+  static constexpr bool kZeroOrOne = true;
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.touched_ground ? 1.0 : 0.0; }

@@ -1,4 +1,4 @@
-#include "gust/eval/survival.h"
+#include "gust/eval/share.h"
 
 #include <doctest/doctest.h>
 
@@ -29,7 +29,7 @@ TEST_CASE("survival of one seed is Wilson's interval over its episodes") {
   Bootstrap bootstrap(Rng(1));
   const std::vector<double> survived = {1, 1, 0, 1, 1, 1, 1, 1};
 
-  const Interval found = survival_interval(cell_of(survived, 1), bootstrap);
+  const Interval found = share_interval(cell_of(survived, 1), bootstrap);
 
   CHECK(found.estimate == 0.875);
   CHECK(found.low == wilson(7, 8).low);
@@ -42,7 +42,7 @@ TEST_CASE("survival of seeds that differ is as wide as the bootstrap over seeds"
   std::vector<double> survived(100, 1.0);  // four seeds of 25 episodes, one of which always fails
   for (std::size_t i = 0; i < 25; ++i) survived[i] = 0.0;
 
-  const Interval found = survival_interval(cell_of(survived, 4), bootstrap);
+  const Interval found = share_interval(cell_of(survived, 4), bootstrap);
   const Interval seeds = interval(cell_of(survived, 4), Statistic::mean, bootstrap);
 
   CHECK(found.estimate == 0.75);
@@ -57,7 +57,7 @@ TEST_CASE("survival of seeds that all survive is as wide as Wilson's interval") 
   Bootstrap bootstrap(Rng(3));
   const std::vector<double> survived(250, 1.0);
 
-  const Interval found = survival_interval(cell_of(survived, 10), bootstrap);
+  const Interval found = share_interval(cell_of(survived, 10), bootstrap);
 
   CHECK(found.low == wilson(250, 250).low);
   CHECK(found.high == 1.0);
@@ -68,8 +68,8 @@ TEST_CASE("an episode whose survival is NaN has failed") {
   Bootstrap bootstrap(Rng(4));
   const std::vector<double> survived = {1.0, std::numeric_limits<double>::quiet_NaN()};
 
-  CHECK(survival_interval(cell_of(survived, 1), bootstrap).estimate == 0.5);
-  CHECK(survival_interval(cell_of(survived, 2), bootstrap).estimate == 0.5);
+  CHECK(share_interval(cell_of(survived, 1), bootstrap).estimate == 0.5);
+  CHECK(share_interval(cell_of(survived, 2), bootstrap).estimate == 0.5);
 }
 
 TEST_CASE("a proportion of no trials is refused") {
