@@ -131,8 +131,9 @@ std::vector<std::pair<std::string, std::string>> provenance() {
 }
 
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
-                         const std::vector<std::string>& warnings) {
+                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons) {
   PageContext context;
+  context.comparisons = std::move(comparisons);
   context.run_command = run_command(folder, study);
   context.folder = folder.path().string();
   context.export_command =

@@ -28,7 +28,7 @@ std::vector<std::pair<std::string, std::string>> provenance();
 
 /// Writes DIR/report.html and returns its path.
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
-                         const std::vector<std::string>& warnings);
+                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons);
 
 /// Tells what the store lacks and gives the exit code.
 int tell_missing(const Summary& summary);

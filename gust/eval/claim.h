@@ -69,6 +69,10 @@ Finding judge(const Claim& claim, const Sampled& measured, std::optional<std::si
 /// interval. Infinite where the estimate is at the bound.
 double data_needed(const Interval& margin);
 
+/// "about 40 episodes would decide"; without a unit the number is a factor of the data. More than 10,000 are told as
+/// that, and an estimate at the bound as one that no number decides.
+std::string needed_text(double number, Unit unit);
+
 /// "0.6854 [0.6749, 0.6959] (10 seeds)", with what would decide it: "… (2 seeds; five are needed)".
 std::string measured_text(const Finding& finding);
 

@@ -50,15 +50,10 @@ double share_needed(const Sampled& share, double bound) {
   return wilson_trials(share.estimate(), bound) / share.trials;
 }
 
-/// "about 40 episodes would decide"
-std::string needed_text(double factor, const Sampled& measured) {
-  if (!std::isfinite(factor) || factor > 1e6) return "no number would decide: the estimate is at the bound";
-  if (measured.unit == Unit::none)
-    return factor > kMostNeeded ? "more than 10,000 times as much data would be needed"
-                                : cat("about ", rounded_up(std::max(factor, 1.1)), " times as much data would decide");
-  const double number = std::max(factor * static_cast<double>(measured.n), static_cast<double>(measured.n) + 1.0);
-  if (number > kMostNeeded) return cat("more than 10,000 ", unit_name(measured.unit), " would be needed");
-  return cat("about ", rounded_up(number), " ", unit_name(measured.unit), " would decide");
+std::string needed_of(double factor, const Sampled& measured) {
+  if (measured.unit == Unit::none) return needed_text(std::max(factor, 1.1), Unit::none);
+  const auto present = static_cast<double>(measured.n);
+  return needed_text(std::max(factor * present, present + 1.0), measured.unit);
 }
 
 /// What follows from the margin of a statement, told with the number that was measured.
@@ -76,7 +71,7 @@ Verdict ruled(const Formula::Judged& judged, const Interval& interval, const std
   const bool is_share = judged.measured.trials > 0 && !std::isnan(judged.bound);
   const double factor = is_share ? share_needed(judged.measured, judged.bound) : data_needed(interval);
   return {Ruling::undecided, cat(measured, "; true in some resamples, false in others"),
-          needed_text(factor, judged.measured)};
+          needed_of(factor, judged.measured)};
 }
 
 Finding found(const Formula::Judged& judged, std::optional<std::size_t> seeds) {
@@ -112,6 +107,15 @@ std::string_view ruling_name(Ruling ruling) {
       break;
   }
   return "not testable";
+}
+
+std::string needed_text(double number, Unit unit) {
+  if (std::isnan(number)) return "more seeds and more episodes would decide";
+  if (!std::isfinite(number) || number > 1e3 * kMostNeeded)
+    return "no number would decide: the estimate is at the bound";
+  const std::string_view what = unit == Unit::none ? "times as much data" : unit_name(unit);
+  if (number > kMostNeeded) return cat("more than 10,000 ", what, " would be needed");
+  return cat("about ", rounded_up(number), " ", what, " would decide");
 }
 
 double data_needed(const Interval& margin) {

@@ -77,5 +77,32 @@ TEST_CASE("a proportion of no trials is refused") {
   CHECK_THROWS_AS(wilson(2, 1), Bug);
 }
 
+/// The probability that Wilson's interval of n trials with this chance of success lies above a bound.
+double decided(std::size_t n, double chance, double bound) {
+  double total = 0.0;
+  for (std::size_t k = 0; k <= n; ++k) {
+    const double ways = std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
+    const double k_of_n = std::exp(ways + k * std::log(chance) + (n - k) * std::log1p(-chance));
+    if (wilson(k, n).low > bound) total += k_of_n;
+  }
+  return total;
+}
+
+TEST_CASE("with as many trials as it says about half of all studies decide a share, with three times as many most") {
+  for (const auto& [chance, bound] : {std::pair{0.95, 0.8}, {0.9, 0.6}, {0.7, 0.5}, {0.99, 0.95}}) {
+    CAPTURE(chance);
+    const auto needed = static_cast<std::size_t>(std::ceil(wilson_trials(chance, bound)));
+
+    CHECK(decided(needed, chance, bound) > 0.35);
+    CHECK(decided(needed, chance, bound) < 0.7);
+    CHECK(decided(3 * needed, chance, bound) > 0.8);
+    CHECK(wilson(needed * 1000, needed * 1000).low > bound);
+  }
+  CHECK(std::isinf(wilson_trials(0.5, 0.5)));
+  CHECK(wilson(380, 380).low < 0.99);  // two of two and 0.99: 381 trials without a failure
+  CHECK(wilson(381, 381).low > 0.99);
+  CHECK(std::ceil(wilson_trials(1.0, 0.99)) == 381);
+}
+
 }  // namespace
 }  // namespace gust

@@ -55,6 +55,11 @@ void check_page(const Page& page) {
     check_band(curve.band, page.sweeps[curve.sweep].levels.size());
   }
   for (const auto& margin : page.margins) check_cell(page, margin.sweep, margin.policy, margin.start);
+  for (const auto& comparison : page.comparisons) {
+    GUST_CHECK(comparison.a < page.policies.size() && comparison.b < page.policies.size());
+    GUST_CHECK(comparison.start < page.starts.size());
+    GUST_CHECK(comparison.sweep == Page::kNone || comparison.sweep < page.sweeps.size());
+  }
   for (const auto& cell : page.worst) {
     check_cell(page, cell.sweep, cell.policy, cell.start);
     GUST_CHECK(cell.episode == Page::kNone || cell.episode < page.episodes.size());

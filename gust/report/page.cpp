@@ -29,6 +29,14 @@ std::string answer_section(const Page& page, const std::vector<std::string>& lef
                "out.</p>\n<div class=\"choices\" id=\"margin-choices\"></div>\n",
                table);
   }
+  if (const std::string pairs = comparisons_html(page); !pairs.empty()) {
+    out += cat("<h3 id=\"compared\">Which is better, and by how much</h3>\n<p class=\"lead\">",
+               escaped(page.metrics[page.margin_metric].title), " of two policies on the same episodes, ",
+               escaped(page.starts[page.comparisons.front().start].title),
+               "; 95 % intervals. Difference: of the mean over the levels. Bar: who is ahead from the first level to "
+               "the last; grey is undecided.</p>\n",
+               pairs);
+  }
   if (const std::string table = worst_table(page); !table.empty()) {
     out += cat("<h3 id=\"worst\">Worst cells</h3>\n<p class=\"lead\">Where ",
                escaped(page.metrics.empty() ? "the score" : page.metrics[0].title), " is lowest.</p>\n", table);

@@ -11,6 +11,9 @@ namespace gust {
 /// Sweep by policy, one table a start; the interval is drawn in each cell on the sweep's own scale.
 std::string margins_table(const Page& page);
 
+/// Each pair of policies, sweep by sweep; the first pair is open.
+std::string comparisons_html(const Page& page);
+
 std::string worst_table(const Page& page);
 
 std::string claims_list(const Page& page);

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "gust/nn/onnx.h"
 #include "gust/study/study_fixture.h"
 
 using namespace gust;
@@ -74,4 +75,27 @@ TEST_CASE("a sweep that does not begin undisturbed and a start that has failed a
             .empty());  // a grid has no margins
   CHECK(study_warnings(small_study({"evaluate.start={ x = 3.0 }"})) ==
         Warnings{"start 'x=3' lies beyond the bounds at which an episode fails"});
+}
+
+TEST_CASE("byte-equal files of a pattern are one policy, and a warning names them") {
+  const auto linear = [](float gain) {
+    Mlp<float> mlp(MlpShape{.sizes = {4, 1}});
+    mlp.weight(0, 0, 0) = gain;
+    return write_onnx({mlp}, {});
+  };
+  const FindFiles find = [&](const std::string&, const Place&) {
+    return std::vector<StudyPolicy::File>{{"a.onnx", linear(1)}, {"b.onnx", linear(2)}, {"c.onnx", linear(1)}};
+  };
+  const std::string text =
+      "schema = 1\nname = \"s\"\nplant = { kind = \"cartpole\", preset = \"scg-default\" }\n"
+      "[[policy]]\nname = \"net\"\nkind = \"onnx\"\nfile = \"*.onnx\"\n";
+
+  const Study study = parse_study(text, "s.toml", {}, find);
+
+  REQUIRE(study.policies[0].files.size() == 2);
+  CHECK(study.policies[0].count() == 2);
+  CHECK(study.policies[0].files[1].path == "b.onnx");
+  CHECK(study_warnings(study) ==
+        Warnings{"policy 'net': c.onnx equals a.onnx byte for byte; the two are one policy and "
+                 "count once"});
 }

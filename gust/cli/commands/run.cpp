@@ -46,7 +46,8 @@ int run(const Options& options) {
   const Summary summary = summarise(study, outcome.plan, store, threads);
   std::string report;
   try {
-    report = write_report(folder, study, summary, warnings);
+    const std::vector<PolicyPair> pairs = shown_pairs(study, compared_start(study));
+    report = write_report(folder, study, summary, warnings, compare_pairs(study, outcome.plan, store, pairs, threads));
   } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
     tell(error.what());
   }
