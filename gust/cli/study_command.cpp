@@ -135,8 +135,9 @@ std::vector<std::pair<std::string, std::string>> provenance() {
 }
 
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
-                         const std::vector<std::string>& warnings) {
+                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons) {
   PageContext context;
+  context.comparisons = std::move(comparisons);
   context.run_command = run_command(folder, study);
   context.folder = folder.path().string();
   context.export_command =
@@ -178,13 +179,14 @@ std::string summary_json(const Study& study, const Summary& summary) {
     claims.push_back({{"id", verdict.claim->id},
                       {"text", verdict.claim->text},
                       {"holds", verdict.claim->holds},
-                      {"verdict", ruling_name(verdict.verdict.ruling)},
-                      {"reason", verdict.verdict.reason},
-                      {"estimate", number(verdict.measured.estimate)},
-                      {"low", number(verdict.measured.low)},
-                      {"high", number(verdict.measured.high)},
-                      {"unit", unit_name(verdict.measured.unit)},
-                      {"n", verdict.measured.n}});
+                      {"verdict", ruling_name(verdict.finding.verdict.ruling)},
+                      {"reason", verdict.finding.verdict.reason},
+                      {"needed", verdict.finding.verdict.needed},
+                      {"estimate", number(verdict.finding.measured.estimate)},
+                      {"low", number(verdict.finding.measured.low)},
+                      {"high", number(verdict.finding.measured.high)},
+                      {"unit", unit_name(verdict.finding.measured.unit)},
+                      {"n", verdict.finding.measured.n}});
   }
   return Json{{"study", study.name},    {"metric", study.metric_set.name(summary.margin_metric)},
               {"margins", margins},     {"claims", claims},

@@ -28,7 +28,7 @@ std::vector<std::pair<std::string, std::string>> provenance();
 
 /// Writes DIR/report.html and returns its path.
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
-                         const std::vector<std::string>& warnings);
+                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons);
 
 /// Tells what is wrong with policies and what the store lacks; the exit code is of what it lacks.
 int tell_missing(const Summary& summary);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ struct Claim {
   double bound = 0.0;
 };
 
+std::string_view sign_of(Relation relation);
+
 /// "survival >= 0.95"
 std::string claim_text(const Claim& claim);
 
@@ -34,24 +37,43 @@ std::string_view ruling_name(Ruling ruling);
 
 struct Verdict {
   Ruling ruling = Ruling::not_testable;
-  std::string reason;  ///< a sentence with the numbers
+  std::string reason;       ///< a sentence with the numbers
+  std::string needed = {};  ///< what would decide it: "about 40 episodes would decide", "five are needed"
 };
 
-/// What a formula's statement came to.
+/// A verdict about trained policies needs this many seeds of each; from fewer a claim is undecided. The percentile
+/// interval of two seeds is [min, max], which covers half.
+inline constexpr std::size_t kSeedsForVerdict = 5;
+
+/// What a statement came to.
 struct Finding {
   Interval measured;  ///< of what it measures (Formula::Judged)
   Verdict verdict;
-  double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples in which it is true
+  double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples in which it is surely true
   std::size_t parts = 0;       ///< statements that must all be true (Truth); 0 where it could not be asked
   std::size_t true_parts = 0;  ///< those that are, at the estimate
+  std::size_t seeds = 0;       ///< the fewest of any policy with seeds that was asked; 0 if none was
 };
 
-/// Holds if the statement is true throughout the interval of its margin, fails if nowhere, else it is undecided.
-/// Without an interval, or where data are missing, it is not testable.
+/// Holds if the statement is true throughout the interval of its margin, fails if nowhere, else it is undecided, and
+/// so it is with fewer than kSeedsForVerdict seeds. Without an interval, where data are missing, or where levels end
+/// before the answer, it is not testable.
 Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data);
 
-/// Holds if the whole interval satisfies the claim, fails if none of it does, else it is undecided. Without an interval
-/// (one value only, or none that is finite) the claim is not testable: a single number says nothing about the next one.
-Verdict decide(const Claim& claim, const Interval& interval);
+/// The same of a bound for one number, measured with as many seeds; none if it has no seeds.
+Finding judge(const Claim& claim, const Sampled& measured, std::optional<std::size_t> seeds);
+
+/// How much more data would decide a statement at the present spread, as a factor: the interval's half-width shrinks
+/// with the square root of the data, and has to be less than the distance between the estimate and the bound. At that
+/// much the statement is decided in about half of all studies. `margin` is by how much the statement holds, with its
+/// interval. Infinite where the estimate is at the bound.
+double data_needed(const Interval& margin);
+
+/// "about 40 episodes would decide"; without a unit the number is a factor of the data. More than 10,000 are told as
+/// that, and an estimate at the bound as one that no number decides.
+std::string needed_text(double number, Unit unit);
+
+/// "0.6854 [0.6749, 0.6959] (10 seeds)", with what would decide it: "… (2 seeds; five are needed)".
+std::string measured_text(const Finding& finding);
 
 }  // namespace gust

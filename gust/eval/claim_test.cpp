@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -24,9 +25,22 @@ std::string error_of(std::string_view text) {
   return "no error";
 }
 
+/// A number whose interval has these ends, for the percentiles of its resamples lie among many equal ones.
+Sampled number(double estimate, double low, double high) {
+  Sampled number{std::vector<double>(101, low)};
+  std::fill(number.values.begin() + 51, number.values.end(), high);
+  number.values[0] = estimate;
+  number.unit = Unit::episodes;
+  number.n = 10;
+  return number;
+}
+
+Finding judged(std::string_view text, const Sampled& measured, std::optional<std::size_t> seeds = {}) {
+  return judge(parse_claim(text, kMetrics, kPlace), measured, seeds);
+}
+
 Ruling ruling_of(std::string_view text, double low, double high) {
-  const Interval found{.estimate = 0.5 * (low + high), .low = low, .high = high, .unit = Unit::seeds, .n = 10};
-  return decide(parse_claim(text, kMetrics, kPlace), found).ruling;
+  return judged(text, number(0.5 * (low + high), low, high)).verdict.ruling;
 }
 
 TEST_CASE("a claim is a metric, a relation and a number") {
@@ -82,35 +96,51 @@ TEST_CASE("a claim holds if the whole interval satisfies it and fails if none of
 }
 
 TEST_CASE("a censored margin decides only what it can") {
-  const double infinity = std::numeric_limits<double>::infinity();  // at least 15 is all that is known
+  Sampled censored = number(15.0, 15.0, 15.0);
+  censored.upper.assign(censored.values.size(), std::numeric_limits<double>::infinity());
+  censored.limit = "the levels end at 15";
 
-  CHECK(ruling_of("margin >= 10", 15.0, infinity) == Ruling::not_testable);  // an infinite estimate is no number
-  const Interval censored{.estimate = 15.0, .low = 15.0, .high = infinity, .unit = Unit::seeds, .n = 10};
-  CHECK(decide(parse_claim("margin >= 10", kMetrics, kPlace), censored).ruling == Ruling::holds);
-  CHECK(decide(parse_claim("margin >= 20", kMetrics, kPlace), censored).ruling == Ruling::undecided);
-  CHECK(decide(parse_claim("margin < 10", kMetrics, kPlace), censored).ruling == Ruling::fails);
-  CHECK(decide(parse_claim("margin < 20", kMetrics, kPlace), censored).ruling == Ruling::undecided);
+  CHECK(judged("margin >= 10", censored).verdict.ruling == Ruling::holds);
+  CHECK(judged("margin >= 20", censored).verdict.ruling == Ruling::not_testable);
+  CHECK(judged("margin < 10", censored).verdict.ruling == Ruling::fails);
+  CHECK(judged("margin < 20", censored).verdict.ruling == Ruling::not_testable);
+  CHECK(measured_text(judged("margin >= 10", censored)) == "≥ 15 [≥ 15] (10 episodes)");
+  CHECK(measured_text(judged("margin >= 20", censored)) == "≥ 15 [≥ 15] (10 episodes; the levels end at 15)");
 }
 
 TEST_CASE("without an interval a claim is not testable") {
-  const Claim claim = parse_claim("anr >= 0.5", kMetrics, kPlace);
-  const Interval single{.estimate = 0.9, .unit = Unit::none, .n = 1};
+  Sampled single = number(0.9, 0.9, 0.9);
+  std::fill(single.values.begin() + 1, single.values.end(), std::numeric_limits<double>::quiet_NaN());
 
-  CHECK(decide(claim, single).ruling == Ruling::not_testable);
-  CHECK(decide(claim, single).reason ==
-        "anr = 0.9 (no interval); more than one seed or episode would give an interval");
-  CHECK(decide(claim, Interval{}).ruling == Ruling::not_testable);
-  CHECK(decide(claim, Interval{}).reason == "anr has no finite value");
+  CHECK(judged("anr >= 0.5", single).verdict.ruling == Ruling::not_testable);
+  CHECK(judged("anr >= 0.5", single).verdict.reason ==
+        "0.9 (no interval); more than one seed or episode would give an interval");
+  single.values[0] = single.values[1];
+  CHECK(judged("anr >= 0.5", single).verdict.reason == "the estimate is not a number");
 }
 
-TEST_CASE("a verdict gives its reason with the numbers") {
-  const Claim claim = parse_claim("survival >= 0.95", kMetrics, kPlace);
-  const Interval found{.estimate = 0.96, .low = 0.91234567, .high = 1.0, .unit = Unit::seeds, .n = 10};
+TEST_CASE("a verdict gives its reason with the numbers, and says what would decide") {
+  const Finding found = judged("anr >= 0.95", number(0.96, 0.91234567, 1.0));
 
-  const Verdict verdict = decide(claim, found);
+  CHECK(ruling_name(found.verdict.ruling) == "undecided");
+  CHECK(found.verdict.reason == "0.96 [0.9123, 1] (10 episodes); true in some resamples, false in others");
+  CHECK(measured_text(found) == "0.96 [0.9123, 1] (10 episodes; about 230 episodes would decide)");  // 10 x 4.77^2
+  CHECK(judged("anr >= 0.95", number(0.95, 0.9, 1.0)).verdict.needed ==
+        "no number would decide: the estimate is at the bound");
+  CHECK(judged("anr >= 0.95", number(0.951, 0.9, 1.0)).verdict.needed == "more than 10,000 episodes would be needed");
+}
 
-  CHECK(ruling_name(verdict.ruling) == "undecided");
-  CHECK(verdict.reason == "survival = 0.96 [0.9123, 1] (10 seeds); the interval holds values on both sides of 0.95");
+TEST_CASE("fewer than five seeds decide nothing, and a policy without seeds is decided over episodes") {
+  const Sampled clear = number(0.9, 0.85, 0.95);
+
+  CHECK(judged("anr >= 0.5", clear).verdict.ruling == Ruling::holds);
+  CHECK(judged("anr >= 0.5", clear, 5).verdict.ruling == Ruling::holds);
+  for (const std::size_t seeds : {1u, 2u, 4u}) {
+    CHECK(judged("anr >= 0.5", clear, seeds).verdict.ruling == Ruling::undecided);
+    CHECK(judged("anr < 0.5", clear, seeds).verdict.ruling == Ruling::undecided);
+  }
+  CHECK(measured_text(judged("anr >= 0.5", clear, 2)) == "0.9 [0.85, 0.95] (2 seeds; five are needed)");
+  CHECK(measured_text(judged("anr >= 0.5", clear, 1)) == "0.9 [0.85, 0.95] (1 seed; five are needed)");
 }
 
 }  // namespace

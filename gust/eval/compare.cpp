@@ -71,28 +71,6 @@ std::size_t smaller_side(std::span<const std::size_t> sizes) {
   return smallest;
 }
 
-/// Seeds of either policy drawn by themselves.
-Interval unpaired_difference(const Cell& a, const Cell& b, Bootstrap& bootstrap) {
-  const std::vector<double> means_a = row_means(a);
-  const std::vector<double> means_b = row_means(b);
-  const std::array strata = {a.rows, b.rows};
-  Interval result{.estimate = mean(means_a) - mean(means_b), .unit = Unit::seeds, .n = smaller_side(strata)};
-  if (!all_finite(means_a) || !all_finite(means_b)) return result;
-
-  const TrimmedValues values_a = trimmed_values(means_a, 0);
-  const TrimmedValues values_b = trimmed_values(means_b, 0);
-  std::vector<double> resampled(bootstrap.resamples());
-  std::vector<double> subtracted(Bootstrap::kBlock);
-  bootstrap.for_each_block(strata, [&](std::size_t first, const Times& times) {
-    const auto block = std::span(resampled).subspan(first, times.lanes);
-    resampled_means(values_a, part(times, 0, a.rows), block);
-    resampled_means(values_b, part(times, a.rows, b.rows), std::span(subtracted).first(times.lanes));
-    for (std::size_t k = 0; k < times.lanes; ++k) block[k] -= subtracted[k];
-  });
-  bootstrap.bound(result, resampled);
-  return result;
-}
-
 }  // namespace
 
 double probability_of_improvement(std::span<const double> x, std::span<const double> y) {
@@ -134,18 +112,6 @@ Interval probability_of_improvement(std::span<const Cell> x, std::span<const Cel
   });
   bootstrap.bound(result, resampled);
   return result;
-}
-
-Interval difference(const Cell& a, const Cell& b, Bootstrap& bootstrap) {
-  GUST_CHECK(a.rows > 0 && a.lanes > 0 && b.rows > 0 && a.lanes == b.lanes);
-  if (a.rows != b.rows) return unpaired_difference(a, b, bootstrap);
-  Matrix<double> differences(a.rows, a.lanes);
-  for (std::size_t seed = 0; seed < a.rows; ++seed) {
-    for (std::size_t episode = 0; episode < a.lanes; ++episode) {
-      differences.at(seed, episode) = a.at(seed, episode) - b.at(seed, episode);
-    }
-  }
-  return interval(differences.view(), Statistic::mean, bootstrap);
 }
 
 }  // namespace gust

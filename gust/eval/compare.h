@@ -1,9 +1,12 @@
 #pragma once
 
+#include <limits>
 #include <span>
+#include <vector>
 
 #include "gust/eval/bootstrap.h"
 #include "gust/eval/interval.h"
+#include "gust/eval/margin.h"
 
 namespace gust {
 
@@ -16,18 +19,38 @@ double probability_of_improvement(std::span<const double> x, std::span<const dou
 /// several seeds in a task, its episodes are compared and drawn instead.
 Interval probability_of_improvement(std::span<const Cell> x, std::span<const Cell> y, Bootstrap& bootstrap);
 
-/// The mean of a minus the mean of b, for two policies that met the same episodes (lane e of both is the same start and
-/// the same noise), with the interval of the difference.
+/// A difference and what would decide its sign at the present spread.
+struct PairedDifference {
+  Interval interval;
+  /// How many of `unit` would decide: of those whose spread weighs most, all else as it is. 1 where it is decided,
+  /// infinite where the estimate is 0; NaN where more of one unit alone cannot decide.
+  double needed = std::numeric_limits<double>::quiet_NaN();
+  Unit unit = Unit::none;
+};
+
+enum class Standing { ahead, behind, undecided };
+
+/// Where the sign of a difference is decided.
+Standing standing(const Interval& difference);
+
+/// Two policies along one sweep: a against b.
+struct Comparison {
+  std::vector<double> levels;            ///< that both curves have
+  std::vector<PairedDifference> scores;  ///< at each of them, the mean score of a minus that of b
+  PairedDifference over;                 ///< of the mean score over the levels (areas())
+  Interval ratio;                        ///< the margin of a over that of b; NaN where one has none
+  Interval improvement;                  ///< the probability that a scores higher, averaged over the levels
+};
+
+/// Compares two policies that met the same episodes (lane e of both is the same start and the same noise).
 ///
-/// - Equally many seeds, more than one: row i of both is a pair. The episodes' differences are averaged within each
-/// pair and
-///   the pairs are drawn. What a pair shares (its seed's number) narrows the interval, and costs nothing if it is
-///   nothing.
-/// - Different numbers of seeds: each policy's seeds are drawn by themselves, over the same episodes on either side, so
-/// that
-///   the luck of those episodes cancels. A policy with one row is held fixed: right for one that was not trained; for
-///   one training among many the interval speaks of that training.
-/// - One row each: the differences of single episodes are drawn, and the unit is episodes.
-Interval difference(const Cell& a, const Cell& b, Bootstrap& bootstrap);
+/// Intervals are for other trainings and other episodes. The seeds of either policy are drawn independently, with their
+/// whole curves; episodes are drawn for both policies together, so the luck that they share cancels. What the three
+/// draws change adds up, each widened by Student's t for its number of units: a difference of two policies that are one
+/// alone has the paired t interval. The probability of improvement is over pairs of seeds, or of two policies that are
+/// one alone over episodes, pair by pair; it is never narrower than Wilson's interval of as many units.
+///
+/// Both curves must have the same lanes. Numbers that are not finite count as 0.
+Comparison compare(const Curve& a, const Curve& b, const MarginRule& rule, const Rng& rng);
 
 }  // namespace gust

@@ -1,6 +1,7 @@
 #include "gust/eval/formula.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -15,7 +16,6 @@ namespace {
 
 using Node = Formula::Node;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostItems = 10'000;  // that the `for`s of a formula make; a claim that a person wrote has dozens
 constexpr double kLeast = std::numeric_limits<double>::denorm_min();
 
@@ -24,17 +24,15 @@ double above(double a, double b, bool strict) {
   const double margin = a == b ? 0.0 : a - b;
   return strict && margin == 0.0 ? -kLeast : margin;
 }
+Bounds above(const Bounds& a, const Bounds& b, bool strict) {
+  return {above(a.low, b.high, strict), above(a.high, b.low, strict)};
+}
 double negated(double margin) { return margin == 0.0 ? -kLeast : -margin; }
+Bounds negated(const Bounds& margin) { return {negated(margin.high), negated(margin.low)}; }
 
-Truth relation(std::string_view sign, const Sampled& left, const Sampled& right) {
-  if (sign == "==" || sign == "!=") {
-    const Sampled apart = combine(left, right, [](double a, double b) { return a == b ? 0.0 : -std::abs(a - b); });
-    return Truth(sign == "==" ? apart : combine(apart, negated));
-  }
-  const bool strict = sign.size() == 1;
-  const bool greater = sign.front() == '>';
-  return Truth(combine(greater ? left : right, greater ? right : left,
-                       [strict](double a, double b) { return above(a, b, strict); }));
+Bounds apart(const Bounds& a, const Bounds& b) {
+  if (a.exact() && b.exact()) return a.low == b.low ? 0.0 : std::abs(a.low - b.low);
+  return abs(a - b);
 }
 
 Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
@@ -46,7 +44,7 @@ Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
     case '*':
       return combine(left, right, std::multiplies<>());
     default:
-      return combine(left, right, [](double a, double b) { return b == 0.0 ? kUnknown : a / b; });
+      return combine(left, right, std::divides<>());
   }
 }
 
@@ -94,7 +92,7 @@ class Evaluator {
       return {std::move(left), std::move(right), Truth(Sampled::constant(margin))};
     }
     const std::string what = cat("'", node.text, "'");
-    Truth truth = placed(node, [&] { return relation(node.text, left.as_number(what), right.as_number(what)); });
+    Truth truth = placed(node, [&] { return gust::related(node.text, left.as_number(what), right.as_number(what)); });
     return {std::move(left), std::move(right), std::move(truth)};
   }
 
@@ -172,12 +170,11 @@ class Evaluator {
 
   Truth logic(const Node& node) {
     const Truth first = truth(node.parts[0], node);
-    if (node.text == "not") return Truth(combine(first.margin, negated));
+    if (node.text == "not") return Truth(combine(first.margin, [](const Bounds& margin) { return negated(margin); }));
     const Truth second = truth(node.parts[1], node);
     const bool both = node.text == "and";
-    Sampled margin = combine(first.margin, second.margin, [both](double a, double b) {
-      if (std::isnan(a) || std::isnan(b)) return a + b;
-      return both ? std::min(a, b) : std::max(a, b);
+    Sampled margin = combine_rising(std::array{first.margin, second.margin}, [both](std::span<const double> margins) {
+      return both ? std::ranges::min(margins) : std::ranges::max(margins);
     });
     if (!both) return Truth(std::move(margin));
     return {std::move(margin), first.parts + second.parts, first.true_parts + second.true_parts};
@@ -199,9 +196,11 @@ class Evaluator {
 
   /// Whether the filter of an `each` lets its item pass.
   bool chosen(const Node& node) {
-    const double margin = truth(node.parts[2], node).margin.estimate();
-    if (std::isnan(margin)) throw NotTestable("what 'if' asks for is no number");
-    return margin >= 0;
+    const Sampled margin = truth(node.parts[2], node).margin;
+    const Bounds known = margin.bounds(0);
+    if (std::isnan(known.low)) throw NotTestable("what 'if' asks for is no number");
+    if (known.low < 0 && known.high >= 0) throw NotTestable(cat("what 'if' asks for is not known: ", margin.limit));
+    return known.low >= 0;
   }
 
   void add(const Node& node, const FormulaValue& item, FormulaList& result) {
@@ -232,6 +231,17 @@ Error wrong_type(std::string_view what, std::string_view expected, const Formula
 }
 
 }  // namespace
+
+Truth related(std::string_view sign, const Sampled& left, const Sampled& right) {
+  if (sign == "==" || sign == "!=") {
+    const Sampled equal = combine(left, right, [](const Bounds& a, const Bounds& b) { return -apart(a, b); });
+    return Truth(sign == "==" ? equal : combine(equal, [](const Bounds& margin) { return negated(margin); }));
+  }
+  const bool strict = sign.size() == 1;
+  const bool greater = sign.front() == '>';
+  return Truth(combine(greater ? left : right, greater ? right : left,
+                       [strict](const Bounds& a, const Bounds& b) { return above(a, b, strict); }));
+}
 
 std::string_view FormulaValue::type() const {
   constexpr std::string_view kTypes[] = {"a number", "a statement", "text", "a list"};
@@ -292,7 +302,8 @@ Formula::Judged Formula::judge(const FormulaNames& names, const FormulaData& dat
   if (!std::holds_alternative<Sampled>(left.data)) return {truth.margin, truth};
   const Sampled& value = std::get<Sampled>(left.data);
   const Sampled& bound = std::get<Sampled>(right.data);
-  return {bound.is_constant() ? value : combine(value, bound, std::minus<>()), truth};
+  if (bound.is_constant()) return {value, truth, bound.estimate()};
+  return {combine(value, bound, std::minus<>()), truth};
 }
 
 }  // namespace gust

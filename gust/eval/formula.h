@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,6 +24,9 @@ struct Truth {
   std::size_t parts = 1;       ///< what `and` and `all` put together: statements that must all be true
   std::size_t true_parts = 0;  ///< those that are, at the estimate
 };
+
+/// Whether `left sign right` is true, of the signs < <= > >= == !=.
+Truth related(std::string_view sign, const Sampled& left, const Sampled& right);
 
 struct FormulaValue;
 
@@ -66,6 +71,8 @@ class FormulaData {
   virtual std::vector<std::string> functions() const = 0;
   /// Throws Error if the arguments make no sense, NotTestable if what they ask for is not there.
   virtual FormulaValue call(std::string_view function, const std::vector<FormulaValue>& arguments) const = 0;
+  /// The fewest seeds of any policy with seeds that was asked for since the last question; none if there was none.
+  virtual std::optional<std::size_t> fewest_seeds() const { return std::nullopt; }
 };
 
 /// Names that stand for values, such as agents = ["ppo", "sac"].
@@ -92,6 +99,7 @@ class Formula {
   struct Judged {
     Sampled measured;
     Truth truth;
+    double bound = std::numeric_limits<double>::quiet_NaN();  ///< of `x > 3` 3
   };
   Judged judge(const FormulaNames& names, const FormulaData& data) const;
 

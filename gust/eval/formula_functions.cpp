@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "gust/eval/margin.h"
 #include "gust/eval/rank_correlation.h"
@@ -53,26 +54,29 @@ double holding(Values margins) {
   return static_cast<double>(std::ranges::count_if(margins, [](double margin) { return margin >= 0; }));
 }
 
+/// Of functions that do not fall when one of the numbers grows.
 template <double (*kOf)(Values)>
 FormulaValue of_numbers(const Arguments& arguments) {
-  return {combine(numbers_of(arguments, "a function of numbers"), kOf)};
+  return {combine_rising(numbers_of(arguments, "a function of numbers"), kOf)};
 }
 FormulaValue all(const Arguments& arguments) {
-  Truth whole(combine(margins_of(arguments[0], "all"), smallest), 0, 0);
+  Truth whole(combine_rising(margins_of(arguments[0], "all"), smallest), 0, 0);
   for (const Truth& truth : truths_of(arguments[0], "all")) {
     whole.parts += truth.parts;
     whole.true_parts += truth.true_parts;
   }
   return {std::move(whole)};
 }
-FormulaValue any(const Arguments& arguments) { return {Truth(combine(margins_of(arguments[0], "any"), largest))}; }
-FormulaValue count(const Arguments& arguments) { return {combine(margins_of(arguments[0], "count"), holding)}; }
+FormulaValue any(const Arguments& arguments) {
+  return {Truth(combine_rising(margins_of(arguments[0], "any"), largest))};
+}
+FormulaValue count(const Arguments& arguments) { return {combine_rising(margins_of(arguments[0], "count"), holding)}; }
 FormulaValue share(const Arguments& arguments) {
-  return {combine(margins_of(arguments[0], "share"),
-                  [](Values margins) { return holding(margins) / static_cast<double>(margins.size()); })};
+  return {combine_rising(margins_of(arguments[0], "share"),
+                         [](Values margins) { return holding(margins) / static_cast<double>(margins.size()); })};
 }
 FormulaValue absolute(const Arguments& arguments) {
-  return {combine(arguments[0].as_number("abs"), [](double value) { return std::abs(value); })};
+  return {combine(arguments[0].as_number("abs"), [](const Bounds& value) { return abs(value); })};
 }
 
 /// A list with an axis.
@@ -106,16 +110,41 @@ FormulaValue at(const Arguments& arguments) {
   const auto right = static_cast<std::size_t>(after - curve.axis.begin());
   if (*after == x) return {curve.values[right]};
   const double share = (x - curve.axis[right - 1]) / (curve.axis[right] - curve.axis[right - 1]);
-  return {combine(curve.values[right - 1], curve.values[right],
-                  [share](double a, double b) { return a + share * (b - a); })};
+  return {combine_rising(std::span(curve.values).subspan(right - 1, 2),
+                         [share](Values values) { return values[0] + share * (values[1] - values[0]); })};
+}
+
+CurveArgument filled_curve_of(const FormulaValue& value, std::string_view what) {
+  CurveArgument curve = curve_of(value, what);
+  if (curve.values.empty()) throw NotTestable(cat("'", what, "' of nothing"));
+  return curve;
 }
 
 /// A number that is made of a curve's axis and its values in each resample.
 template <class Function>
 FormulaValue of_curve(const FormulaValue& value, std::string_view what, Function function) {
-  const CurveArgument curve = curve_of(value, what);
-  if (curve.values.empty()) throw NotTestable(cat("'", what, "' of nothing"));
+  const CurveArgument curve = filled_curve_of(value, what);
   return {combine(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
+}
+/// The same where it does not fall when one of the values grows.
+template <class Function>
+FormulaValue of_curve_rising(const FormulaValue& value, std::string_view what, Function function) {
+  const CurveArgument curve = filled_curve_of(value, what);
+  return {combine_rising(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
+}
+
+/// A place on the axis of a curve, found by function(axis, values), which gives infinity where it lies beyond the last
+/// one: then it is known that it is at least there, or further where `beyond` says so.
+template <class Function>
+FormulaValue place_on(const CurveArgument& curve, std::span<const Sampled> numbers, bool beyond, Function function) {
+  const double last = curve.axis.back();
+  const Bounds open(beyond ? std::nextafter(last, kInfinity) : last, kInfinity);
+  Sampled found = combine(numbers, [&](Values values) -> Bounds {
+    const double place = function(Values(curve.axis), values);
+    return std::isinf(place) ? open : Bounds(place);
+  });
+  if (!found.upper.empty() && found.limit.empty()) found.limit = cat("the levels end at ", last);
+  return {std::move(found)};
 }
 
 template <bool kLast>
@@ -126,18 +155,25 @@ FormulaValue end_of(const Arguments& arguments) {
 }
 
 /// Two numbers that the data cannot tell apart are alike, by more than any number says, and so are two that differ by
-/// no more than the tolerance.
+/// no more than the tolerance. A number that is known as a bound only overlaps with what lies beyond it or not: that is
+/// not known.
 FormulaValue alike(const Arguments& arguments) {
   const Sampled& a = arguments[0].as_number("alike");
   const Sampled& b = arguments[1].as_number("alike");
   const Interval of_a = interval_of(a), of_b = interval_of(b);
-  if (of_a.low <= of_b.high && of_b.low <= of_a.high) return {Truth(Sampled::constant(kInfinity))};
-  const Sampled apart = combine(a, b, [](double x, double y) { return std::abs(x - y); });
+  if (of_a.low <= of_b.high && of_b.low <= of_a.high) {
+    Truth overlap(Sampled::constant(kInfinity));
+    const bool known = a.bounds(0).exact() && b.bounds(0).exact();
+    if (!known) overlap.margin.set(0, {-kInfinity, kInfinity});
+    if (!known) overlap.margin.limit = a.bounds(0).exact() ? b.limit : a.limit;
+    return {Truth(std::move(overlap.margin))};
+  }
+  const Sampled apart = combine(a, b, [](const Bounds& x, const Bounds& y) { return abs(x - y); });
   return {Truth(combine(arguments[2].as_number("alike"), apart, std::minus<>()))};
 }
 
 FormulaValue area(const Arguments& arguments) {
-  return of_curve(arguments[0], "area", [](Values x, Values y) {
+  return of_curve_rising(arguments[0], "area", [](Values x, Values y) {
     if (x.size() == 1) return y[0];
     double sum = 0;
     for (std::size_t i = 1; i < x.size(); ++i) sum += 0.5 * (x[i] - x[i - 1]) * (y[i] + y[i - 1]);
@@ -145,21 +181,23 @@ FormulaValue area(const Arguments& arguments) {
   });
 }
 FormulaValue half(const Arguments& arguments) {
-  return of_curve(arguments[0], "half", [](Values x, Values y) { return crossing(x, y, kHalfScore); });
+  const CurveArgument curve = filled_curve_of(arguments[0], "half");
+  return place_on(curve, curve.values, true, [](Values x, Values y) { return crossing(x, y, kHalfScore); });
 }
 FormulaValue margin_of(const Arguments& arguments) {
-  return of_curve(arguments[0], "margin", [](Values x, Values y) { return crossing(x, y, MarginRule{}); });
+  const CurveArgument curve = filled_curve_of(arguments[0], "margin");
+  return place_on(curve, curve.values, false, [](Values x, Values y) { return crossing(x, y, MarginRule{}); });
 }
 FormulaValue reach(const Arguments& arguments) {
-  const CurveArgument curve = curve_of(arguments[0], "reach");
+  const CurveArgument curve = filled_curve_of(arguments[0], "reach");
   std::vector<Sampled> numbers = curve.values;
   numbers.push_back(arguments[1].as_number("reach"));
-  return {combine(numbers, [&](Values values) {
-    for (std::size_t i = 0; i < curve.axis.size(); ++i) {
-      if (values[i] >= values.back()) return curve.axis[i];
+  return place_on(curve, numbers, true, [](Values x, Values values) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (values[i] >= values.back()) return x[i];
     }
     return kInfinity;
-  })};
+  });
 }
 FormulaValue drop(const Arguments& arguments) {
   return of_curve(arguments[0], "drop", [](Values, Values y) {
@@ -176,9 +214,17 @@ FormulaValue rise(const Arguments& arguments) {
   });
 }
 FormulaValue argmax(const Arguments& arguments) {
-  return of_curve(arguments[0], "argmax", [](Values x, Values y) {
-    return x[static_cast<std::size_t>(std::ranges::max_element(y) - y.begin())];
-  });
+  const CurveArgument curve = filled_curve_of(arguments[0], "argmax");
+  const auto largest_at = [&](Values y) {
+    return curve.axis[static_cast<std::size_t>(std::ranges::max_element(y) - y.begin())];
+  };
+  return {combine(curve.values, largest_at, [&](std::span<const Bounds> ranges) -> Bounds {
+    const auto most = std::ranges::max_element(ranges, {}, &Bounds::low);
+    const bool clear =
+        std::ranges::all_of(ranges, [&](const Bounds& other) { return &other == &*most || other.high < most->low; });
+    if (clear) return curve.axis[static_cast<std::size_t>(most - ranges.begin())];
+    return {curve.axis.front(), curve.axis.back()};
+  })};
 }
 FormulaValue straightness(const Arguments& arguments) {
   return of_curve(arguments[0], "straightness", [](Values x, Values y) {
@@ -187,18 +233,41 @@ FormulaValue straightness(const Arguments& arguments) {
   });
 }
 
-/// A correlation of two lists, or of a curve with its axis.
+/// The lower ends of ranges that lie one above the other, which have their ranks; none where two overlap.
+std::optional<std::vector<double>> with_ranks(std::span<const Bounds> ranges) {
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const Bounds &a = ranges[i], &b = ranges[k];
+      if (!(a.exact() && b.exact()) && a.low <= b.high && b.low <= a.high) return std::nullopt;
+    }
+  }
+  std::vector<double> ends;
+  for (const Bounds& range : ranges) ends.push_back(range.low);
+  return ends;
+}
+
+/// A rank correlation of two lists, or of a curve with its axis. Of bounds it is known where their ranks are.
 template <double (*kOf)(Values, Values)>
 FormulaValue correlation(const Arguments& arguments) {
   constexpr std::string_view kWhat = "a rank correlation";
-  if (arguments.size() == 1) return of_curve(arguments[0], kWhat, kOf);
-  std::vector<Sampled> numbers = arguments[0].as_numbers(kWhat);
-  const std::vector<Sampled> others = arguments[1].as_numbers(kWhat);
+  std::vector<Sampled> numbers, others;
+  if (arguments.size() == 1) {
+    const CurveArgument curve = filled_curve_of(arguments[0], kWhat);
+    for (const double at : curve.axis) numbers.push_back(Sampled::constant(at));
+    others = curve.values;
+  } else {
+    numbers = arguments[0].as_numbers(kWhat);
+    others = arguments[1].as_numbers(kWhat);
+  }
   if (numbers.size() != others.size())
     throw Error(cat(kWhat, " needs lists of one length, got ", numbers.size(), " and ", others.size()));
   numbers.insert(numbers.end(), others.begin(), others.end());
   const std::size_t size = others.size();
-  return {combine(numbers, [size](Values both) { return kOf(both.first(size), both.last(size)); })};
+  const auto of_values = [size](Values both) { return kOf(both.first(size), both.last(size)); };
+  return {combine(numbers, of_values, [&](std::span<const Bounds> both) -> Bounds {
+    const auto first = with_ranks(both.first(size)), last = with_ranks(both.last(size));
+    return first && last ? Bounds(kOf(*first, *last)) : Bounds(-1.0, 1.0);
+  })};
 }
 
 constexpr FormulaFunction kFunctions[] = {
@@ -219,10 +288,13 @@ constexpr FormulaFunction kFunctions[] = {
     {"levels", "curve", "where its values stand: levels, or steps", 1, 1, levels},
     {"at", "curve, place", "its value there, straight between two points", 2, 2, at},
     {"area", "curve", "the area under it over its width: the mean value", 1, 1, area},
-    {"half", "curve", "the first level with less than half of the first value; infinite if there is none", 1, 1, half},
-    {"margin", "curve", "the level at which it falls below 90 % of its first value, between levels", 1, 1, margin_of},
-    {"reach", "curve, bound", "the first place at which it is at least the bound; infinite if there is none", 2, 2,
-     reach},
+    {"half", "curve", "the first level with less than half of the first value; at least the last if there is none", 1,
+     1, half},
+    {"margin", "curve",
+     "the level at which it falls below 90 % of its first value, between levels; at least the last if it never does", 1,
+     1, margin_of},
+    {"reach", "curve, bound", "the first place at which it is at least the bound; beyond the last if there is none", 2,
+     2, reach},
     {"drop", "curve", "the greatest fall from one point to the next", 1, 1, drop},
     {"rise", "curve", "the mean rise from one point to the next, a fall counting as none", 1, 1, rise},
     {"argmax", "curve", "where it is greatest, the first place of several", 1, 1, argmax},

@@ -87,7 +87,8 @@ TEST_CASE("functions of curves") {
   CHECK(number("rise([(k - 2) * (k - 2) for k in [0, 1, 2, 3]])") == doctest::Approx(1.0 / 3.0).epsilon(1e-15));
   CHECK(number("rise([7 for k in [1]])") == 0.0);
   CHECK(number("reach([k * k for k in [1, 2, 3]], 4)") == 2.0);
-  CHECK(std::isinf(number("reach(r('lqr'), 2)")));
+  CHECK(number("reach(r('lqr'), 2)") == std::nextafter(3.0, 4.0));
+  CHECK(std::isinf(evaluated("reach(r('lqr'), 2)").as_number("a test").bounds(0).high));
   CHECK(number("argmax([-(k - 2) * (k - 2) for k in [1, 2, 3]])") == 2.0);
   CHECK(number("straightness(r('ppo'))") == doctest::Approx(1.0).epsilon(1e-12));
   CHECK(number("spearman(r('ppo'))") == -1.0);
@@ -147,6 +148,103 @@ TEST_CASE("a claim holds where all resamples do, fails where none does, else it 
   CHECK(judged("gone('lqr') > 1").verdict.ruling == Ruling::not_testable);
   CHECK(judged("gone('lqr') > 1").verdict.reason == "not measured: gone");
   CHECK(judged("at(r('lqr'), 4) > 1").verdict.ruling == Ruling::not_testable);
+}
+
+namespace {
+
+/// margin(flat) is at least 3; margin(steep) lies between 0 and 1; half(steep) is 1.
+std::string along(std::string_view text) {
+  std::string filled(text);
+  const std::pair<std::string, std::string> names[] = {{"flat", "[1 + 0 * k for k in [0, 1, 3]]"},
+                                                       {"long", "[1 + 0 * k for k in [0, 1, 7]]"},
+                                                       {"steep", "[1 - k for k in [0, 1, 3]]"}};
+  for (const auto& [name, curve] : names) {
+    for (std::size_t at = filled.find(name); at != std::string::npos; at = filled.find(name))
+      filled.replace(at, name.size(), curve);
+  }
+  return filled;
+}
+
+}  // namespace
+
+TEST_CASE("a margin beyond the levels is a bound: it decides what it can, and else the claim is not testable") {
+  const std::pair<const char*, Ruling> cases[] = {
+      {"margin(flat) >= 2", Ruling::holds},
+      {"margin(flat) >= 3", Ruling::holds},
+      {"margin(flat) >= 5", Ruling::not_testable},
+      {"margin(flat) < 3", Ruling::fails},
+      {"margin(flat) < 5", Ruling::not_testable},
+      {"half(flat) > 3", Ruling::holds},  // not at the last level either
+      {"margin(flat) == margin(flat)", Ruling::not_testable},
+      {"margin(flat) != margin(long)", Ruling::not_testable},
+      {"margin(flat) < margin(long)", Ruling::not_testable},
+      {"margin(flat) > margin(steep)", Ruling::holds},
+      {"margin(steep) >= margin(long)", Ruling::fails},
+      {"margin(flat) == margin(steep)", Ruling::fails},
+      {"margin(flat) - margin(steep) > 2", Ruling::holds},
+      {"margin(flat) - margin(steep) > 3", Ruling::not_testable},
+      {"margin(steep) - margin(flat) < -2", Ruling::holds},
+      {"margin(flat) / margin(steep) > 29", Ruling::holds},
+      {"margin(steep) / margin(flat) < 0.034", Ruling::holds},
+      {"margin(steep) / margin(flat) < 0.03", Ruling::not_testable},
+      {"2 * margin(flat) >= 6", Ruling::holds},
+      {"0 * margin(flat) == 0", Ruling::holds},
+      {"1 / (margin(flat) - 4) > 0", Ruling::not_testable},
+      {"abs(margin(steep) - margin(flat)) > 2", Ruling::holds},
+      {"abs(margin(flat) - 5) >= 0", Ruling::holds},
+      {"min(margin(flat), 2) == 2", Ruling::holds},
+      {"min(margin(flat), margin(steep)) < 1", Ruling::holds},
+      {"max(margin(flat), margin(steep)) >= 3", Ruling::holds},
+      {"max(margin(flat), margin(steep)) < 9", Ruling::not_testable},
+      {"max(margin(flat), 9) >= 9", Ruling::holds},
+      {"mean(margin(flat), margin(steep)) > 1.5", Ruling::holds},
+      {"mean(margin(flat), margin(steep)) < 9", Ruling::not_testable},
+      {"count(m >= 2 for m in [margin(flat), margin(steep)]) == 1", Ruling::holds},
+      {"count(m >= 5 for m in [margin(flat), margin(steep)]) == 1", Ruling::not_testable},
+      {"count(m >= 5 for m in [margin(flat), margin(steep)]) <= 1", Ruling::holds},
+      {"not margin(flat) < 3", Ruling::holds},
+      {"not margin(flat) < 5", Ruling::not_testable},
+      {"margin(flat) >= 2 and margin(flat) >= 5", Ruling::not_testable},
+      {"margin(flat) >= 5 and margin(steep) > 1", Ruling::fails},
+      {"margin(flat) >= 5 or margin(steep) < 1", Ruling::holds},
+      {"any(margin(flat) >= x for x in [2, 5])", Ruling::holds},
+      {"all(margin(flat) >= x for x in [2, 5])", Ruling::not_testable},
+      {"spearman([margin(steep), 1, margin(flat)], [1, 2, 3]) == 1", Ruling::holds},
+      {"spearman([margin(long), 1, margin(flat)], [1, 2, 3]) > 0", Ruling::not_testable},
+      {"kendall([margin(steep), 5, margin(flat)], [1, 2, 3]) >= -1", Ruling::holds},
+      {"argmax([min(k + 0 * margin(flat), k) for k in [1, 2]]) == 2", Ruling::holds},
+      {"drop([k * margin(flat) for k in [1, 2]]) < 1", Ruling::not_testable},
+      {"alike(margin(flat), margin(long), 1)", Ruling::not_testable},
+      {"alike(margin(flat), margin(steep), 1)", Ruling::fails},
+      {"sum(1 for x in [1] if margin(flat) > 2) == 1", Ruling::holds},
+      {"sum(1 for x in [1, 2] if margin(flat) > 5) == 1", Ruling::not_testable},
+      {"reach(flat, 2) > 3", Ruling::holds},
+      {"reach(flat, 2) < 9", Ruling::not_testable},
+  };
+  for (const auto& [text, ruling] : cases) {
+    CAPTURE(text);
+    CHECK(ruling_name(judged(along(text)).verdict.ruling) == ruling_name(ruling));
+  }
+  CHECK(judged(along("margin(flat) >= 5")).verdict.reason == "≥ 3 [≥ 3]; the levels end at 3");
+  CHECK(measured_text(judged(along("margin(flat) >= 2"))) == "≥ 3 [≥ 3]");
+  CHECK(judged(along("margin(flat) - margin(long) > 0")).verdict.ruling == Ruling::not_testable);
+}
+
+TEST_CASE("a bound in some resamples only leaves a claim undecided or not testable, whichever the others say") {
+  const auto with_bounds = [](std::size_t censored) {
+    Sampled margin{std::vector<double>(101, 2.5)};
+    for (std::size_t i = 0; i < censored; ++i) margin.set(100 - i, {3.0, std::numeric_limits<double>::infinity()});
+    margin.limit = "the levels end at 3";
+    return margin;
+  };
+  const auto ruling = [&](Relation relation, double bound, std::size_t censored) {
+    return judge(Claim{"margin", relation, bound}, with_bounds(censored), std::nullopt).verdict.ruling;
+  };
+
+  CHECK(ruling(Relation::at_least, 2.0, 50) == Ruling::holds);
+  CHECK(ruling(Relation::at_least, 5.0, 50) == Ruling::not_testable);
+  CHECK(ruling(Relation::at_least, 5.0, 1) == Ruling::fails);  // one of 100 lies outside the interval
+  CHECK(ruling(Relation::at_most, 2.6, 50) == Ruling::undecided);
 }
 
 TEST_CASE("what policies share cancels in their difference, and the finding is that difference") {

@@ -40,9 +40,13 @@ struct Interval {
   double high = std::numeric_limits<double>::quiet_NaN();
   Unit unit = Unit::none;
   std::size_t n = 0;  ///< how many units there were, in a comparison those of the smaller side that varies
+  /// Where the estimate is known as a bound only, the greatest that it may be, infinite of a margin beyond the levels;
+  /// else NaN.
+  double most = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// "0.953 [0.91, 0.987] (10 seeds)", to four significant digits; without the units where they are of several kinds.
+/// "0.953 [0.91, 0.987] (10 seeds)", "≥ 0.02 [≥ 0.02] (10 seeds)", to four significant digits; without the units where
+/// they are of several kinds.
 std::string interval_text(const Interval& interval);
 
 }  // namespace gust

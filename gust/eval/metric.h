@@ -16,6 +16,8 @@ class Metric {
   virtual std::string_view unit() const = 0;
   /// Whether a plant has what is measured; elsewhere the value says nothing.
   virtual bool applies(const PlantSpec& spec) const = 0;
+  /// Whether an episode gives 0 or 1, so that the mean is a share of successes (share.h).
+  virtual bool is_zero_or_one() const = 0;
 };
 
 /// Every metric there is, in the order of metrics/list.inc.

@@ -8,8 +8,8 @@
 namespace gust {
 
 /// The metric of a struct with `static constexpr bool kHigherIsBetter`, `static constexpr std::string_view kUnit` and
-/// `double value(const Episode&) const`. It is one of all plants, or of those that `static bool applies(const
-/// PlantSpec&)` names.
+/// `double value(const Episode&) const`, and `static constexpr bool kZeroOrOne = true` if that is 0 or 1. It is one of
+/// all plants, or of those that `static bool applies(const PlantSpec&)` names.
 template <class Options>
 class OptionsMetric final : public Metric {
  public:
@@ -20,6 +20,9 @@ class OptionsMetric final : public Metric {
   bool applies(const PlantSpec& spec) const override {
     if constexpr (requires { Options::applies(spec); }) return Options::applies(spec);
     return true;
+  }
+  bool is_zero_or_one() const override {
+    return requires { requires Options::kZeroOrOne; };
   }
 
  private:

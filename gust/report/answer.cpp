@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
@@ -57,6 +58,17 @@ double low_end(const Page::Margin& margin) {
 double high_end(const Page::Margin& margin) {
   if (margin.censored) return std::numeric_limits<double>::infinity();
   return std::isnan(margin.level.high) ? margin.level.value : margin.level.high;
+}
+
+/// Whether the margin of one policy is ahead of another's by their ratio on the same episodes; none where they were not
+/// compared.
+std::optional<bool> ahead_in_pairs(const Page& page, const Page::Margin& one, const Page::Margin& other) {
+  for (const auto& pair : page.comparisons) {
+    if (pair.sweep != one.sweep || pair.start != one.start || std::isnan(pair.ratio.low)) continue;
+    if (pair.a == one.policy && pair.b == other.policy) return !pair.few_seeds && pair.ratio.low > 1.0;
+    if (pair.b == one.policy && pair.a == other.policy) return !pair.few_seeds && pair.ratio.high < 1.0;
+  }
+  return std::nullopt;
 }
 
 /// Sites in the order of the study.
@@ -158,7 +170,8 @@ std::size_t clear_winner(const Page& page, std::size_t sweep, std::size_t start)
   if (margins.size() < 2) return Page::kNone;
   for (const auto* one : margins) {
     const bool ahead = std::all_of(margins.begin(), margins.end(), [&](const Page::Margin* other) {
-      return other == one || low_end(*one) > high_end(*other);
+      if (other == one) return true;
+      return ahead_in_pairs(page, *one, *other).value_or(low_end(*one) > high_end(*other));
     });
     if (ahead) return one->policy;
   }

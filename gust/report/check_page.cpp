@@ -58,6 +58,11 @@ void check_page(const Page& page) {
     check_cell(page, margin.sweep, margin.policy, margin.start);
     GUST_CHECK(margin.episode == Page::kNone || margin.episode < page.episodes.size());
   }
+  for (const auto& comparison : page.comparisons) {
+    GUST_CHECK(comparison.a < page.policies.size() && comparison.b < page.policies.size());
+    GUST_CHECK(comparison.start < page.starts.size());
+    GUST_CHECK(comparison.sweep == Page::kNone || comparison.sweep < page.sweeps.size());
+  }
   for (const auto& grid : page.grids) check_grid(page, grid);
   for (const auto& learning : page.learning) {
     GUST_CHECK(learning.policy < page.policies.size());

@@ -46,6 +46,14 @@ std::string answer_section(const Page& page, const std::vector<std::string>& lef
                "out.</p>\n<div class=\"choices start-choices\" id=\"margin-choices\"></div>\n",
                table);
   }
+  if (const std::string pairs = comparisons_html(page); !pairs.empty()) {
+    out += cat("<h3 id=\"compared\">Which is better, and by how much</h3>\n<p class=\"lead\">",
+               escaped(page.metrics[page.margin_metric].title), " of two policies on the same episodes, ",
+               escaped(page.starts[page.comparisons.front().start].title),
+               "; 95 % intervals. Difference: of the mean over the levels. Bar: who is ahead from the first level to "
+               "the last; grey is undecided.</p>\n",
+               pairs);
+  }
   if (const std::string table = smallest_margins(page); !table.empty())
     out +=
         cat("<h3 id=\"smallest\">Smallest margins</h3>\n<p class=\"lead\">Of each site, from the start that is chosen "

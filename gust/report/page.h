@@ -87,6 +87,24 @@ struct Page {
     std::string reason = {};      // why there is none (value unknown), or why it is 0
   };
 
+  /// Policy a against b on the same episodes, along a sweep.
+  struct Comparison {
+    enum class Standing { kAhead, kBehind, kUndecided };
+    std::size_t a = 0;
+    std::size_t b = 0;
+    std::size_t start = 0;
+    std::size_t sweep = kNone;  // kNone: undisturbed, or a grid
+    std::string name;           // of the sweep, "undisturbed"
+    Standing standing = Standing::kUndecided;
+    Estimate difference;           // of the mean score over the levels
+    Estimate ratio;                // of margins; a's over b's
+    double ratio_most = kUnknown;  // where the ratio is known as a bound only, the greatest that it may be
+    Estimate improvement;          // probability that a scores higher
+    std::vector<Standing> levels;  // at each level
+    std::string needed;            // what would decide; empty where it is decided
+    bool few_seeds = false;        // too few of them to decide anything
+  };
+
   enum class Verdict { kHolds, kFails, kUndecided };
 
   struct Claim {
@@ -191,6 +209,7 @@ struct Page {
   std::size_t margin_metric = 0;
   double margin_share = 0.9;  // of the nominal score; below it the margin is spent
   std::vector<Margin> margins;
+  std::vector<Comparison> comparisons;  // those of one pair stand together
   std::vector<Claim> claims;
   std::vector<Episode> episodes;
 

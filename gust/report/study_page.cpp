@@ -94,6 +94,7 @@ class PageWriter {
       if (series.sweep == Trial::kNominal) continue;
       study_.sweeps[series.sweep].axes.size() == 2 ? grid(series) : curves(series);
     }
+    for (const SweepComparison& item : context.comparisons) compared(item);
     claims();
     learning();
     page_.episodes = kept_episodes(study_, summary_.kept, sweep_at_);
@@ -201,6 +202,30 @@ class PageWriter {
     return curve;
   }
 
+  void compared(const SweepComparison& item) {
+    const auto estimate = [](const Interval& from) { return Page::Estimate{from.estimate, from.low, from.high}; };
+    const auto shown = [&](const Interval& difference) {
+      const Standing standing = item.standing_of(difference);
+      return standing == Standing::ahead    ? Page::Comparison::Standing::kAhead
+             : standing == Standing::behind ? Page::Comparison::Standing::kBehind
+                                            : Page::Comparison::Standing::kUndecided;
+    };
+    const bool nominal = item.sweep == Trial::kNominal;
+    const Comparison& found = item.found;
+    Page::Comparison& to = page_.comparisons.emplace_back();
+    to = {.a = item.pair.a, .b = item.pair.b, .start = item.pair.start};
+    to.sweep = nominal ? Page::kNone : sweep_at_[item.sweep];
+    to.name = nominal ? "undisturbed" : study_.sweeps[item.sweep].name;
+    to.standing = shown(found.over.interval);
+    to.difference = estimate(found.over.interval);
+    to.ratio = estimate(found.ratio);
+    to.ratio_most = found.ratio.most;
+    to.improvement = estimate(found.improvement);
+    for (const PairedDifference& at : found.scores) to.levels.push_back(shown(at.interval));
+    to.needed = item.needed();
+    to.few_seeds = item.seeds > 0 && item.seeds < kSeedsForVerdict;
+  }
+
   void grid(const Series& series) {
     const Sweep& sweep = study_.sweeps[series.sweep];
     auto at = std::ranges::find(page_.grids, sweep.name, &Page::Grid::name);
@@ -256,12 +281,12 @@ class PageWriter {
 
   void claims() {
     for (const ClaimVerdict& verdict : summary_.claims) {
-      const Ruling ruling = verdict.verdict.ruling;
+      const Ruling ruling = verdict.finding.verdict.ruling;
       const Page::Verdict shown = ruling == Ruling::holds   ? Page::Verdict::kHolds
                                   : ruling == Ruling::fails ? Page::Verdict::kFails
                                                             : Page::Verdict::kUndecided;
-      page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds, measured_text(verdict),
-                              shown, verdict.claim->required});
+      page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds,
+                              measured_text(verdict.finding), shown, verdict.claim->required});
     }
   }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gust/report/page.h"
-#include "gust/study/summary.h"
+#include "gust/study/comparison.h"
 
 namespace gust {
 
@@ -12,6 +12,7 @@ struct PageContext {
   std::string export_command;  ///< gives all numbers
   std::vector<std::pair<std::string, std::string>> provenance;
   std::vector<std::string> warnings;  ///< trials that failed, with reasons
+  std::vector<SweepComparison> comparisons = {};
 };
 
 /// The page of a study from its summary.

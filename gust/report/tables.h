@@ -11,6 +11,9 @@ namespace gust {
 /// Sweep by policy, one table a start; the interval is drawn in each cell on the sweep's own scale.
 std::string margins_table(const Page& page);
 
+/// Each pair of policies, sweep by sweep; the first pair is open.
+std::string comparisons_html(const Page& page);
+
 /// The smallest margins of each site, one table a start, with a way to an episode that was kept.
 std::string smallest_margins(const Page& page);
 

@@ -6,6 +6,7 @@
 
 #include "gust/core/text.h"
 #include "gust/eval/aggregate.h"
+#include "gust/eval/sampled_share.h"
 #include "gust/eval/statistics.h"
 #include "gust/study/trials.h"
 
@@ -101,16 +102,22 @@ std::function<double(std::span<const double>)> ClaimScores::over_units(const Pla
   return [statistic = view_.over_seeds](std::span<const double> units) { return aggregate(statistic, units); };
 }
 
+bool ClaimScores::draws_one(const Place& place) const {
+  return view_.one_training && place.source->study->policies[place.policy].kind == StudyPolicy::Kind::kTrain;
+}
+
 /// A single unit has no resamples that would say anything: they are not numbers.
 template <class Statistic>
-Sampled ClaimScores::sampled(const Study& study, std::size_t policy, std::span<const double> units,
-                             Statistic statistic) const {
+Sampled ClaimScores::sampled(const Place& place, std::span<const double> units, Statistic statistic) const {
+  const Study& study = *place.source->study;
   Sampled result{std::vector<double>(1 + kResamples, std::numeric_limits<double>::quiet_NaN())};
+  result.n = units.size();
   result.values[0] = statistic(units);
   if (units.size() < 2) return result;
-  const std::string key = seeds_key(study, study.policies[policy]);
+  result.unit = members(place).size() > 1 ? Unit::seeds : Unit::episodes;
+  const std::string key = seeds_key(study, study.policies[place.policy]);
   const Rng rng = rng_.split("claims").split(key);
-  if (view_.one_training && study.policies[policy].kind == StudyPolicy::Kind::kTrain) {
+  if (draws_one(place)) {
     const Rng draws = rng.split("one");
     for (std::size_t k = 0; k < kResamples; ++k)
       result.values[1 + k] = statistic(units.subspan(draws.below(units.size(), k), 1));
@@ -146,6 +153,21 @@ FormulaValue ClaimScores::call(std::string_view function, const Arguments& argum
 }
 
 std::optional<std::size_t> ClaimScores::fewest_seeds() const { return std::exchange(fewest_seeds_, std::nullopt); }
+
+Sampled ClaimScores::measured(const std::string& metric, const std::string& policy, const std::string& sweep,
+                              std::span<const double> at) const {
+  const Place place = find(sweep.empty() ? Arguments{{policy}} : Arguments{{policy}, {sweep}}, metric);
+  count_seeds(place);
+  const std::vector<Sampled>& all = cells(place, metric);
+  std::size_t cell = 0;
+  for (std::size_t a = 0; a < at.size(); ++a) {
+    const std::vector<double>& values = place.source->study->sweeps[place.sweep].axes[a].values;
+    const auto found = std::ranges::find(values, at[a]);
+    if (found == values.end()) throw NotTestable(cat("not measured: ", sweep, " at ", at[a]));
+    cell = cell * values.size() + static_cast<std::size_t>(found - values.begin());
+  }
+  return all[cell];
+}
 
 ClaimScores::Place ClaimScores::find(const Arguments& arguments, std::string_view function) const {
   const std::string& policy = arguments[0].as_text(cat("'", function, "'"));
@@ -204,7 +226,7 @@ std::vector<std::size_t> ClaimScores::find_members(const Place& place) const {
 
 void ClaimScores::count_seeds(const Place& place) const {
   const StudyPolicy& policy = place.source->study->policies[place.policy];
-  if (policy.kind != StudyPolicy::Kind::kTrain) return;
+  if (policy.kind != StudyPolicy::Kind::kTrain && policy.count() < 2) return;
   const std::size_t count = members(place).size();
   fewest_seeds_ = std::min(fewest_seeds_.value_or(count), count);
 }
@@ -255,8 +277,7 @@ FormulaValue ClaimScores::curve(std::string_view function, const Arguments& argu
     for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].*column);
     const CurvePoint& point = seeds.front()[i];
     list.axis.push_back(static_cast<double>(function == "own_curve" ? point.protagonist_steps : point.steps));
-    list.items.push_back({sampled(*place.source->study, place.policy, units,
-                                  function == "curve_spread" ? sample_deviation : over_units(place))});
+    list.items.push_back({sampled(place, units, function == "curve_spread" ? sample_deviation : over_units(place))});
   }
   return {std::move(list)};
 }
@@ -269,7 +290,7 @@ const std::vector<Sampled>& ClaimScores::cells(const Place& place, const std::st
 
 std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::string& metric) const {
   const Study& study = *place.source->study;
-  study.metric_set.index(metric, {"score"});  // an Error if there is no such metric
+  const bool is_share = study.metric_set[study.metric_set.index(metric, {"score"})].is_zero_or_one();
   const std::size_t start = index_of(study.starts, view_.start);
   if (start == study.starts.size()) throw Error(cat("the study '", study.name, "' has no start '", view_.start, "'"));
   if (place.source->store == nullptr) {
@@ -287,9 +308,17 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
     if (!rows.has(metric)) throw NotTestable(cat("not measured: ", metric, " of ", study.policies[place.policy].name));
     const bool repeats = episodes_repeat(study, place.sweep, start);
-    while (rows.next())
-      cells.push_back(
-          sampled(study, place.policy, unit_values(rows.values(start, metric, repeats).view()), over_units(place)));
+    while (rows.next()) {
+      const Matrix<double> values = rows.values(start, metric, repeats);
+      Sampled cell = sampled(place, unit_values(values.view()), over_units(place));
+      if (is_share && cell.n > 1 && !draws_one(place)) {
+        const std::string key = seeds_key(study, study.policies[place.policy]);
+        const Rng noise = rng_.split("shares").split(key);
+        const std::string own = cat(study.name, "/", place.sweep, "/", metric, "/", cells.size());
+        cell = sampled_share(std::move(cell), values.rows() * values.lanes(), noise, noise.split(own));
+      }
+      cells.push_back(std::move(cell));
+    }
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
   return cells;

@@ -37,7 +37,8 @@ struct ClaimView {
 ///     curve_spread(…)                   the standard deviation of its seeds, against all steps
 ///
 /// Every number is the mean (or what the view has) over training seeds (over episodes for a policy that is one alone),
-/// and its resamples draw whole seeds: the same ones for all that is asked of a policy, so that what its scores share
+/// a share of successes with the interval that share_interval gives it (sampled_share.h), and its resamples draw whole
+/// seeds: the same ones for all that is asked of a policy, so that what its scores share
 /// cancels, and for policies of the same trainings (other steps or risk levels). Others are drawn independently of each
 /// other. A seed whose training ended without a policy is left out, and not counted; so it is in all policies of the
 /// same trainings.
@@ -48,8 +49,12 @@ class ClaimScores final : public FormulaData {
   std::vector<std::string> functions() const override;
   FormulaValue call(std::string_view function, const std::vector<FormulaValue>& arguments) const override;
 
-  /// The fewest seeds of any trained policy that was asked for since the last question; none if there was none.
-  std::optional<std::size_t> fewest_seeds() const;
+  /// Seeds are trainings, or the files of one pattern; a policy that is one alone has none.
+  std::optional<std::size_t> fewest_seeds() const override;
+
+  /// One number of a metric: undisturbed where `sweep` is empty, else in the cell where the axes have these values.
+  Sampled measured(const std::string& metric, const std::string& policy, const std::string& sweep,
+                   std::span<const double> at) const;
 
  private:
   struct Place {
@@ -77,7 +82,8 @@ class ClaimScores final : public FormulaData {
   std::function<double(std::span<const double>)> over_units(const Place& place) const;
   /// The statistic of the units of a policy, and of its resamples.
   template <class Statistic>
-  Sampled sampled(const Study& study, std::size_t policy, std::span<const double> units, Statistic statistic) const;
+  Sampled sampled(const Place& place, std::span<const double> units, Statistic statistic) const;
+  bool draws_one(const Place& place) const;
 
   std::vector<ClaimSource> sources_;
   ClaimView view_;

@@ -58,10 +58,63 @@ TEST_CASE("a study's formulas are judged on its scores") {
                                         "[[claim]]\nid = \"g\"\nholds = \"score('nothing') >= score('lqr')\"\n");
 
   REQUIRE(run.summary.claims.size() == 2);
-  CHECK(run.summary.claims[0].verdict.ruling == Ruling::holds);
-  CHECK(run.summary.claims[1].verdict.ruling == Ruling::fails);
-  CHECK(run.summary.claims[1].measured.estimate < 0);
-  CHECK(run.summary.claims[1].measured.high < 0);
+  CHECK(run.summary.claims[0].finding.verdict.ruling == Ruling::holds);
+  CHECK(run.summary.claims[1].finding.verdict.ruling == Ruling::fails);
+  CHECK(run.summary.claims[1].finding.measured.estimate < 0);
+  CHECK(run.summary.claims[1].finding.measured.high < 0);
+}
+
+TEST_CASE(
+    "a bound said with where and as a formula has one interval and one verdict, for every metric, place and start") {
+  std::string claims = "[[sweep]]\nname = \"both\"\ngrid = { pole_length = [0.4, 0.5], pole_mass = [0.1, 0.2] }\n";
+  struct Said {
+    std::string where, formula;
+  };
+  const Said places[] = {{"policy = \"POLICY\"", "METRIC('POLICY')"},
+                         {"policy = \"POLICY\", sweep = \"push\", level = 5", "at(METRIC('POLICY', 'push'), 5)"},
+                         {"policy = \"POLICY\", sweep = \"noise\", level = 1", "at(METRIC('POLICY', 'noise'), 1)"},
+                         {"policy = \"POLICY\", sweep = \"both\", pole_length = 0.5, pole_mass = 0.2",
+                          "at(METRIC('POLICY', 'both', 0.5), 0.2)"}};
+  const auto filled = [](std::string text, const std::string& policy, const std::string& metric) {
+    for (const auto& [name, value] : {std::pair{std::string("POLICY"), policy}, {std::string("METRIC"), metric}}) {
+      for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name))
+        text.replace(at, name.size(), value);
+    }
+    return text;
+  };
+  std::size_t count = 0;
+  for (const char* start : {"random", "nominal"}) {
+    for (const char* metric : {"survival", "anr_h", "length", "saturation"}) {
+      for (const char* policy : {"lqr", "nothing"}) {
+        for (const Said& said : places) {
+          for (const char* bound : {" >= 0.99", " < 0.5"}) {
+            claims +=
+                cat("[[claim]]\nid = \"w", count, "\"\nwhere = { ", filled(said.where, policy, metric), ", start = \"",
+                    start, "\" }\nholds = \"", metric, bound, "\"\n[[claim]]\nid = \"f", count, "\"\nstart = \"", start,
+                    "\"\nholds = \"", filled(said.formula, policy, metric), bound, "\"\n");
+            ++count;
+          }
+        }
+      }
+    }
+  }
+  const RunStudy run("gust-claims-one-verdict", claims);
+
+  REQUIRE(run.summary.claims.size() == 2 * count);
+  std::size_t undecided = 0;
+  for (std::size_t i = 0; i < 2 * count; i += 2) {
+    const Finding &where = run.summary.claims[i].finding, &formula = run.summary.claims[i + 1].finding;
+    CAPTURE(run.summary.claims[i + 1].claim->holds);
+    CHECK(measured_text(where) == measured_text(formula));
+    CHECK(where.verdict.ruling == formula.verdict.ruling);
+    CHECK(where.verdict.reason == formula.verdict.reason);
+    CHECK(where.measured.low == doctest::Approx(formula.measured.low).epsilon(1e-15));
+    undecided += where.verdict.ruling == Ruling::undecided ? 1 : 0;
+  }
+  CHECK(undecided > 0);
+  const Finding& three = run.summary.claims[0].finding;  // survival of lqr: 3 of 3
+  CHECK(three.measured.low == doctest::Approx(3 / (3 + 1.959964 * 1.959964)).epsilon(1e-4));
+  CHECK(measured_text(three) == "1 [0.4385, 1] (3 episodes; about 390 episodes would decide)");
 }
 
 TEST_CASE("scores are those of the summary, metric by metric and start by start") {
@@ -95,7 +148,7 @@ TEST_CASE("the fixed start has one episode, which says nothing about others") {
                      "[[claim]]\nid = \"f\"\nstart = \"nominal\"\nholds = \"score('lqr') > 0.5\"\n");
 
   REQUIRE(run.summary.claims.size() == 1);
-  CHECK(run.summary.claims[0].verdict.ruling == Ruling::not_testable);
+  CHECK(run.summary.claims[0].finding.verdict.ruling == Ruling::not_testable);
 }
 
 TEST_CASE("a grid is read row by row") {
@@ -119,8 +172,8 @@ TEST_CASE("what is missing in the store makes a claim not testable") {
   const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
 
   REQUIRE(summary.claims.size() == 1);
-  CHECK(summary.claims[0].verdict.ruling == Ruling::not_testable);
-  CHECK(summary.claims[0].verdict.reason.find("not measured: ") == 0);
+  CHECK(summary.claims[0].finding.verdict.ruling == Ruling::not_testable);
+  CHECK(summary.claims[0].finding.verdict.reason.find("not measured: ") == 0);
 }
 
 /// Puts a training into the store that ended without a policy.

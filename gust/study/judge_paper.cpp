@@ -21,6 +21,7 @@ class RenamedScores final : public FormulaData {
     const auto other = instead_.find(std::string(function));
     return scores_.call(other == instead_.end() ? function : other->second, arguments);
   }
+  std::optional<std::size_t> fewest_seeds() const override { return scores_.fewest_seeds(); }
 
  private:
   const FormulaData& scores_;
@@ -96,8 +97,7 @@ class Judge {
       const FormulaData& data = reading.printed ? static_cast<const FormulaData&>(printed) : renamed;
       if (store_ == nullptr) formula.evaluate(paper_.names, data);  // a place beyond the levels is a mistake now
       finding = judge(formula, paper_.names, data);
-      if (!reading.printed && finding.verdict.ruling != Ruling::not_testable)
-        result.seeds = scores.fewest_seeds().value_or(0);
+      result.seeds = finding.seeds;
       if (result.seeds >= kSeedsForVerdict && !formula.calls("alike")) {
         view.one_training = true;
         const ClaimScores ones(sources(claim, question.reading), view, Rng(1).split("paper"));
@@ -115,8 +115,6 @@ class Judge {
     result.share = finding.share;
     result.parts = finding.parts;
     result.true_parts = finding.true_parts;
-    if (result.decided() && result.seeds > 0 && result.seeds < kSeedsForVerdict)
-      result.verdict = {Ruling::undecided, cat(result.seeds, " seeds are too few; ", result.verdict.reason)};
     return result;
   }
 

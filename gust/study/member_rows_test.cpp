@@ -94,7 +94,7 @@ TEST_CASE("rows whose metrics stand in another order are read by their names") {
         CHECK(series.at(metric, cell).value == expected.at(metric, cell).value);
     }
   }
-  CHECK(run.summary.claims[0].verdict.ruling == Ruling::holds);
+  CHECK(run.summary.claims[0].finding.verdict.ruling == Ruling::holds);
 }
 
 TEST_CASE("a metric that the rows lack is not measured, and the others are") {
@@ -107,7 +107,7 @@ TEST_CASE("a metric that the rows lack is not measured, and the others are") {
   CHECK(series.at(run.index("saturation"), 1).value == expected.at(run.index("saturation"), 1).value);
   CHECK_FALSE(series.has_margin);
   CHECK(series.units == expected.units);
-  CHECK(run.summary.claims[0].verdict.reason == "not measured");
+  CHECK(run.summary.claims[0].finding.verdict.reason == "not measured: survival of nothing");
   CHECK(run.summary.missing.empty());
 }
 

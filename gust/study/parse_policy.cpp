@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "gust/study/agent_options.h"
 #include "gust/study/parse.h"
 #include "gust/study/policies.h"
@@ -62,6 +64,21 @@ void check_level(const StudyPolicy& policy, const Table& table) {
                    ", got ", *policy.alpha);
 }
 
+/// Files of one content are one policy, not several seeds: the first of them stays.
+void leave_out_copies(StudyPolicy& policy) {
+  std::vector<StudyPolicy::File> kept;
+  for (StudyPolicy::File& file : policy.files) {
+    const auto same = std::ranges::find_if(kept, [&](const StudyPolicy::File& other) {
+      return other.bytes == file.bytes && other.data == file.data;
+    });
+    if (same == kept.end())
+      kept.push_back(std::move(file));
+    else
+      policy.copies.emplace_back(file.path, same->path);
+  }
+  policy.files = std::move(kept);
+}
+
 void parse_onnx(const Table& table, const Study& study, const FindFiles& find, StudyPolicy& policy) {
   check_keys(table, {"name", "kind", "file", "alpha", "output", "observe", "act", "units"}, "an onnx policy");
   policy.alpha = parse_level(table);
@@ -71,6 +88,7 @@ void parse_onnx(const Table& table, const Study& study, const FindFiles& find, S
   const Place& place = table.find("file")->place;
   policy.files = find(pattern, place);
   if (policy.files.empty()) throw error_at(place, "no file matches '", pattern, "'");
+  leave_out_copies(policy);
   for (const StudyPolicy::File& file : policy.files) {
     const PolicyUse use{
         .alpha = policy.alpha, .output = policy.output, .data = &file.data, .interface = policy.interface};

@@ -35,9 +35,6 @@ struct Reproduction {
 /// Throws Error where the profile or a study is not known, or a study cannot be read.
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice);
 
-/// A verdict needs this many seeds; from fewer a claim is undecided.
-inline constexpr std::size_t kSeedsForVerdict = 5;
-
 /// What became of a claim under a reading.
 struct PaperVerdict {
   std::size_t claim = 0;

@@ -102,7 +102,7 @@ TEST_CASE("a summary agrees with the rows it came from") {
   CHECK(series->has_margin);
   CHECK(series->unit == Unit::episodes);
   REQUIRE(summary.claims.size() == 1);
-  CHECK(summary.claims[0].verdict.ruling == Ruling::holds);  // none of three: at most 0.56
+  CHECK(summary.claims[0].finding.verdict.ruling == Ruling::holds);  // none of three: at most 0.56
 }
 
 TEST_CASE("the regulator stands a push of half the actuator and the bare plant falls") {
@@ -142,7 +142,7 @@ TEST_CASE("automatic levels hold those that claims are about") {
   CHECK(levels.size() == 12);
   CHECK(std::ranges::is_sorted(levels));
   REQUIRE(summary.claims.size() == 1);
-  CHECK(summary.claims[0].measured.estimate == 1.0);
+  CHECK(summary.claims[0].finding.measured.estimate == 1.0);
 }
 
 TEST_CASE("a claim whose trial is missing is told, and not decided") {
@@ -152,7 +152,7 @@ TEST_CASE("a claim whose trial is missing is told, and not decided") {
 
   const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
 
-  CHECK(claims_table(summary, 80) == "not testable  falls  survival <= 0.8  not measured\n");
+  CHECK(claims_table(summary, 80) == "not testable  falls  survival <= 0.8  not measured: evaluate nothing · nominal\n");
 }
 
 TEST_CASE("kept episodes and curves are read back as they were written") {

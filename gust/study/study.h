@@ -27,7 +27,8 @@ struct StudyPolicy {
   Kind kind = Kind::kZero;
   Place place;
   LqrWeights weights;                ///< kLqr
-  std::vector<File> files;           ///< kOnnx; several count as seeds
+  std::vector<File> files;           ///< kOnnx; several count as seeds, byte-equal ones are one
+  std::vector<std::pair<std::string, std::string>> copies;  ///< kOnnx: files left out, each with the one it equals
   Made<Agent> agent;                 ///< kTrain
   std::vector<std::int64_t> seeds;   ///< kTrain
   std::vector<Injection> disturbed;  ///< kTrain: on during training

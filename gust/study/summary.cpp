@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <thread>
 
 #include "gust/eval/aggregate.h"
-#include "gust/eval/survival.h"
+#include "gust/eval/share.h"
 #include "gust/study/claim_scores.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
@@ -36,7 +37,6 @@ class Summariser {
 
   struct Part {
     std::vector<Series> series;
-    std::vector<ClaimVerdict> claims;
     std::vector<std::string> missing;
   };
 
@@ -53,7 +53,6 @@ class Summariser {
     for (std::size_t cell = 0; rows.next(); ++cell) {
       for (std::size_t start = 0; start < starts; ++start) {
         fill_cell(rows, cell, part.series[start]);
-        judge_claims(rows, cell, part.series[start], part.claims);
       }
       if (with_margin) scores.take(study_.sweeps[group.sweep].axes.front().values[cell], rows);
     }
@@ -162,37 +161,8 @@ class Summariser {
   }
 
   Interval measure(const Matrix<double>& values, std::size_t metric, Bootstrap& bootstrap) const {
-    if (metric == survival_) return survival_interval(values.view(), bootstrap);
+    if (study_.metric_set[metric].is_zero_or_one()) return share_interval(values.view(), bootstrap);
     return interval(values.view(), Statistic::mean, bootstrap);
-  }
-
-  void judge_claims(const MemberRows& rows, std::size_t cell, const Series& series,
-                    std::vector<ClaimVerdict>& verdicts) {
-    for (const StudyClaim& claim : study_.claims) {
-      if (claim.formula) continue;
-      if (claim.policy != study_.policies[series.policy].name || claim.start != study_.starts[series.start].name)
-        continue;
-      if (!stands_at(claim, series.sweep, cell)) continue;
-      std::vector<std::string> names;
-      for (std::size_t i = 0; i < study_.metric_set.size(); ++i) names.push_back(study_.metric_set.name(i));
-      const Claim parsed = parse_claim(claim.holds, names, claim.place);
-      if (!rows.has(parsed.metric)) continue;  // not measured
-      const std::size_t metric = study_.metric_set.index(parsed.metric, claim.place);
-      const bool same = episodes_repeat(study_, series.sweep, series.start);
-      const Interval measured = measure(rows.values(series.start, parsed.metric, same), metric, margins_);
-      verdicts.push_back({&claim, measured, decide(parsed, measured)});
-    }
-  }
-
-  bool stands_at(const StudyClaim& claim, std::size_t sweep, std::size_t cell) const {
-    if (sweep == Trial::kNominal) return claim.sweep.empty();
-    if (claim.sweep != study_.sweeps[sweep].name) return false;
-    const std::vector<Sweep::Axis>& axes = study_.sweeps[sweep].axes;
-    const std::size_t inner = axes.back().values.size();
-    for (std::size_t a = 0; a < axes.size(); ++a) {
-      if (axes[a].values[axes.size() == 2 && a == 0 ? cell / inner : cell % inner] != claim.at[a]) return false;
-    }
-    return true;
   }
 
   const Study& study_;
@@ -205,12 +175,28 @@ class Summariser {
   Bootstrap margins_;
 };
 
-void judge_formulas(const Study& study, const Plan& plan, const Store& store, std::vector<ClaimVerdict>& verdicts) {
+/// Both ways of saying a claim ask the same scores, so one statement has one interval and one verdict.
+Finding judged(const Study& study, const StudyClaim& claim, const ClaimScores& scores) {
+  if (claim.formula) return judge(*claim.formula, study.names, scores);
+  std::vector<std::string> metrics;
+  for (std::size_t i = 0; i < study.metric_set.size(); ++i) metrics.push_back(study.metric_set.name(i));
+  const Claim bound = parse_claim(claim.holds, metrics, claim.place);
+  scores.fewest_seeds();  // of the claim before
+  try {
+    const Sampled measured = scores.measured(bound.metric, claim.policy, claim.sweep, claim.at);
+    return judge(bound, measured, scores.fewest_seeds());
+  } catch (const NotTestable& missing) {
+    return {{}, {Ruling::not_testable, missing.what()}};
+  }
+}
+
+void judge_claims(const Study& study, const Plan& plan, const Store& store, std::vector<ClaimVerdict>& verdicts) {
+  std::map<std::pair<std::string, std::string>, ClaimScores> views;  // each reads a sweep once
   for (const StudyClaim& claim : study.claims) {
-    if (!claim.formula) continue;
-    const ClaimScores scores({{&study, &plan, &store}}, {claim.metric, claim.start}, resampling_stream(study));
-    Finding finding = judge(*claim.formula, study.names, scores);
-    verdicts.push_back({&claim, finding.measured, std::move(finding.verdict)});
+    const ClaimView view{claim.metric, claim.start};
+    const std::vector<ClaimSource> sources = {{&study, &plan, &store}};
+    const auto at = views.try_emplace({view.metric, view.start}, sources, view, resampling_stream(study)).first;
+    verdicts.push_back({&claim, judged(study, claim, at->second)});
   }
 }
 
@@ -286,18 +272,12 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (errors[i]) std::rethrow_exception(errors[i]);
     std::ranges::move(parts[i].series, std::back_inserter(summary.series));
-    std::ranges::move(parts[i].claims, std::back_inserter(summary.claims));
     std::ranges::move(parts[i].missing, std::back_inserter(summary.missing));
   }
   summary.curves = stored_curves(plan, store);
   summary.kept = stored_traces(plan, store);
   summary.notes = policy_notes(study, plan, store);
-  judge_formulas(study, plan, store, summary.claims);
-  for (const StudyClaim& claim : study.claims) {
-    if (std::ranges::find(summary.claims, &claim, &ClaimVerdict::claim) == summary.claims.end())
-      summary.claims.push_back({&claim, {}, {Ruling::not_testable, "not measured"}});
-  }
-  std::ranges::sort(summary.claims, {}, [&](const ClaimVerdict& verdict) { return verdict.claim; });
+  judge_claims(study, plan, store, summary.claims);
   return summary;
 }
 

@@ -45,8 +45,7 @@ struct Series {
 
 struct ClaimVerdict {
   const StudyClaim* claim = nullptr;
-  Interval measured;
-  Verdict verdict;
+  Finding finding;
 };
 
 /// The learning curve of one seed of a policy.
@@ -96,9 +95,6 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
 /// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal. What is
 /// wider than `columns` is told in blocks of policies, one below the other.
 std::string margins_table(const Study& study, const Summary& summary, std::size_t start, std::size_t columns);
-
-/// What a claim was decided from: "0.5 [0.25, 0.75] (4 episodes)", or why there is nothing.
-std::string measured_text(const ClaimVerdict& verdict);
 
 /// The verdicts of the claims, one line each; where that is wider than `columns`, one below the other and wrapped.
 std::string claims_table(const Summary& summary, std::size_t columns);

@@ -123,15 +123,11 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
   return in_blocks(rows, 2, columns) + note;
 }
 
-std::string measured_text(const ClaimVerdict& verdict) {
-  return std::isfinite(verdict.measured.estimate) ? interval_text(verdict.measured) : verdict.verdict.reason;
-}
-
 std::string claims_table(const Summary& summary, std::size_t columns) {
   TextRows rows;
   for (const ClaimVerdict& verdict : summary.claims) {
-    rows.push_back({std::string(ruling_name(verdict.verdict.ruling)), verdict.claim->id, verdict.claim->holds,
-                    measured_text(verdict), verdict.claim->text});
+    rows.push_back({std::string(ruling_name(verdict.finding.verdict.ruling)), verdict.claim->id, verdict.claim->holds,
+                    measured_text(verdict.finding), verdict.claim->text});
   }
   const std::vector<std::size_t> widths = widths_of(rows);
   if (rows.empty() || total(widths) <= columns) return aligned(rows);

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "gust/nn/onnx.h"
 #include "gust/study/study_fixture.h"
 
 using namespace gust;
@@ -114,4 +115,27 @@ TEST_CASE("waves with fewer than ten samples a period are told wherever they are
                  "policy 'ppo': the action sine of 20 Hz has 2.5 samples a period: its shape is coarse",
                  "sweep 'fast': the action triangle of 6 Hz has 8.33 samples a period: its shape is coarse",
                  "sweep 'fast': the observation sine of 12.5 Hz has 4 samples a period: its shape is coarse"});
+}
+
+TEST_CASE("byte-equal files of a pattern are one policy, and a warning names them") {
+  const auto linear = [](float gain) {
+    Mlp<float> mlp(MlpShape{.sizes = {4, 1}});
+    mlp.weight(0, 0, 0) = gain;
+    return write_onnx({mlp}, {});
+  };
+  const FindFiles find = [&](const std::string&, const Place&) {
+    return std::vector<StudyPolicy::File>{{"a.onnx", linear(1)}, {"b.onnx", linear(2)}, {"c.onnx", linear(1)}};
+  };
+  const std::string text =
+      "schema = 1\nname = \"s\"\nplant = { kind = \"cartpole\", preset = \"scg-default\" }\n"
+      "[[policy]]\nname = \"net\"\nkind = \"onnx\"\nfile = \"*.onnx\"\n";
+
+  const Study study = parse_study(text, "s.toml", {}, find);
+
+  REQUIRE(study.policies[0].files.size() == 2);
+  CHECK(study.policies[0].count() == 2);
+  CHECK(study.policies[0].files[1].path == "b.onnx");
+  CHECK(study_warnings(study) ==
+        Warnings{"policy 'net': c.onnx equals a.onnx byte for byte; the two are one policy and "
+                 "count once"});
 }

@@ -27,8 +27,11 @@ void command_report(CLI::App& app, int& exit_code) {
       return;
     }
     const OpenStudy open = open_study(*folder);
-    const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
-    print_lines(cat(write_report(open.folder, open.study, summary, {}), "\n"));
+    const std::size_t threads = thread_count(0);
+    const Summary summary = summarise(open.study, open.plan, *open.store, threads);
+    const std::vector<PolicyPair> pairs = shown_pairs(open.study, compared_start(open.study));
+    const auto compared = compare_pairs(open.study, open.plan, *open.store, pairs, threads);
+    print_lines(cat(write_report(open.folder, open.study, summary, {}, compared), "\n"));
     exit_code = tell_missing(summary);
   });
 }

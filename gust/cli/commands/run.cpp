@@ -20,7 +20,7 @@ bool required_claims_hold(const Study& study, const Summary& summary) {
   std::size_t required = 0;
   for (const StudyClaim& claim : study.claims) required += claim.required ? 1 : 0;
   for (const ClaimVerdict& verdict : summary.claims) {
-    held += verdict.claim->required && verdict.verdict.ruling == Ruling::holds ? 1 : 0;
+    held += verdict.claim->required && verdict.finding.verdict.ruling == Ruling::holds ? 1 : 0;
   }
   return held == required;
 }
@@ -47,7 +47,8 @@ int run(const Options& options) {
   for (const std::string& note : summary.notes) tell(cat("warning: ", note));
   std::string report;
   try {
-    report = write_report(folder, study, summary, warnings);
+    const std::vector<PolicyPair> pairs = shown_pairs(study, compared_start(study));
+    report = write_report(folder, study, summary, warnings, compare_pairs(study, outcome.plan, store, pairs, threads));
   } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
     tell(error.what());
   }

@@ -6,6 +6,7 @@ namespace {
 struct GroundContact {
   static constexpr bool kHigherIsBetter = false;
   static constexpr std::string_view kUnit = "";
+  static constexpr bool kZeroOrOne = true;
   static constexpr std::tuple<> kFields = {};
 
   static bool applies(const PlantSpec& spec) { return spec.contact.has_value(); }

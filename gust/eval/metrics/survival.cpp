@@ -6,6 +6,7 @@ namespace {
 struct Survival {
   static constexpr bool kHigherIsBetter = true;
   static constexpr std::string_view kUnit = "";
+  static constexpr bool kZeroOrOne = true;
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.failed ? 0.0 : 1.0; }
