@@ -25,9 +25,10 @@ std::string answers(const Page& page) {
   for (std::size_t start = 0; start < page.starts.size(); ++start) {
     const std::vector<std::string> sentences = answer_html(page, start);
     if (sentences.empty()) continue;
-    out += cat("<div class=\"by-start\" data-start=\"", start, "\"><p class=\"from\">From the ",
-               escaped(page.starts[start].name), " start: ", escaped(page.starts[start].title), "</p>\n",
-               list_html(sentences, "says"), "</div>\n");
+    const auto& [name, title] = page.starts[start];
+    const std::string more = title == cat(name, " start") ? "" : cat(": ", title);
+    out += cat("<div class=\"by-start\" data-start=\"", start, "\"><p class=\"from\">From the ", escaped(name),
+               " start", escaped(more), "</p>\n", list_html(sentences, "says"), "</div>\n");
   }
   return out;
 }

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
+#include "gust/core/csv.h"
 #include "gust/core/hash.h"
 #include "gust/study/export.h"
-#include "gust/study/files.h"
 #include "gust/study/run.h"
 #include "gust/study/study_fixture.h"
 #include "gust/study/trials.h"
@@ -77,6 +77,16 @@ std::string trained_bits(const Study& study, std::size_t policy) {
   return hash_hex({reinterpret_cast<const char*>(weights.data()), weights.size_bytes()});
 }
 
+/// The exported numbers with a choice of columns that never changes, so that only other numbers give another hash.
+std::string exported_numbers(const Study& study, const Plan& plan, const Store& store) {
+  std::string text = "plant,preset,readings,policy,seed,site,waveform,vary,level,start,episode,metric,value\n";
+  for_each_export_row(study, plan, store, [&](const ExportRow& row) {
+    text += csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.site, row.waveform, row.vary,
+                      cat(row.level), row.start, cat(row.episode), row.metric, cat(row.value)});
+  });
+  return text;
+}
+
 }  // namespace
 
 TEST_CASE("a small study with a training gives the bits that it always gave") {
@@ -85,10 +95,9 @@ TEST_CASE("a small study with a training gives the bits that it always gave") {
   const Store store(folder.path / "store", Store::Access::write);
 
   const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
-  export_csv(study, outcome.plan, store, folder.path / "rows.csv");
 
   REQUIRE(outcome.failed() == 0);
-  CHECK(hash_hex(read_file(folder.path / "rows.csv")) == "763d45e8daf98cd2d5c2418f641e2e53");
+  CHECK(hash_hex(exported_numbers(study, outcome.plan, store)) == "763d45e8daf98cd2d5c2418f641e2e53");
   CHECK(trained_bits(study, 1) == "6ae342ff543f211924079b43d3ddc788");
 }
 

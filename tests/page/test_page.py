@@ -50,6 +50,11 @@ def test_the_start_protocol_changes_curves_and_margins(opened):
 
     expect(page.locator(".margins[data-start='1']")).to_be_visible()
     expect(page.locator(".margins[data-start='0']")).to_be_hidden()
+    for part in (".from", ".smallest"):  # the answer and the smallest margins follow
+        expect(page.locator(f".by-start[data-start='1'] {part}")).to_be_visible()
+        expect(page.locator(f".by-start[data-start='0'] {part}")).to_be_hidden()
+    expect(page.locator(".by-start[data-start='1'] .from")).to_have_text("From the random start: 25 seeded starts")
+    expect(page.locator(".margins[data-start='1'] .beside").first).to_contain_text("nominal")
     chart(page, "curves")
     expect(line).not_to_have_attribute("d", before)
 
@@ -88,7 +93,7 @@ def test_the_pointer_and_the_arrow_keys_read_a_curve(opened):
     host = page.locator("#figure-curves .chart").first
 
     host.hover()
-    expect(page.locator(".tooltip")).to_contain_text("observation · white noise")
+    expect(page.locator(".tooltip")).to_contain_text("observation white noise")
     expect(page.locator(".tooltip tr")).to_have_count(4)
     page.mouse.move(2, 2)
     expect(page.locator(".tooltip")).to_be_hidden()
