@@ -120,12 +120,12 @@ class PageWriter {
     std::size_t not_finite = 0;
     for (const Series& series : summary_.series) not_finite += series.not_finite;
     if (not_finite > 0)
-      page_.warnings.push_back(cat(not_finite, " episodes gave numbers that are none; they count as failed."));
+      page_.warnings.push_back(cat(not_finite, " episodes gave NaN or infinite numbers; they count as failed."));
     page_.provenance = context.provenance;
     page_.study_text = study_.text;
     page_.run_command = context.run_command;
     page_.export_command = context.export_command;
-    page_.interval = "95 % bootstrap over training seeds; over episodes for a policy without seeds";
+    page_.interval = "95 % over training seeds; over episodes for a policy without seeds. Margins by Student’s t, the rest by a bootstrap";
   }
 
   void lists() {
@@ -273,6 +273,7 @@ class PageWriter {
     page_.starts = std::move(starts);
     for (Page::Curve& curve : page_.curves) curve.start = place[curve.start];
     for (Page::Margin& margin : page_.margins) margin.start = place[margin.start];
+    for (Page::Comparison& comparison : page_.comparisons) comparison.start = place[comparison.start];
     for (Page::Episode& episode : page_.episodes) episode.start = place[episode.start];
     for (Page::Grid& grid : page_.grids) {
       for (Page::Grid::Layer& layer : grid.layers) layer.start = place[layer.start];
