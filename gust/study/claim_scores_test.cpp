@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -108,7 +109,7 @@ TEST_CASE(
     CHECK(measured_text(where) == measured_text(formula));
     CHECK(where.verdict.ruling == formula.verdict.ruling);
     CHECK(where.verdict.reason == formula.verdict.reason);
-    CHECK(where.measured.low == doctest::Approx(formula.measured.low).epsilon(1e-15));
+    CHECK((where.measured.low == formula.measured.low || std::isnan(where.measured.low)));  // else the text differs
     undecided += where.verdict.ruling == Ruling::undecided ? 1 : 0;
   }
   CHECK(undecided > 0);

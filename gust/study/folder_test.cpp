@@ -18,9 +18,10 @@ struct Scene {
   StudyFolder kept{scratch.path / "kept.gust"};
 
   Scene() {
-    const std::string policy = write_onnx({Mlp<float>({{4, 2, 1}})}, {});
-    write_file_atomically(scratch.path / "policies/a.onnx", policy);
-    write_file_atomically(scratch.path / "policies/b.onnx", policy);
+    Mlp<float> policy({{4, 2, 1}});
+    write_file_atomically(scratch.path / "policies/a.onnx", write_onnx({policy}, {}));
+    policy.parameters()[0] = 1.0f;
+    write_file_atomically(scratch.path / "policies/b.onnx", write_onnx({policy}, {}));
     write_file_atomically(study, changed("kind = \"zero\"", "kind = \"onnx\"\nfile = \"policies/*.onnx\""));
     kept.keep(StudyFolder::read(study, {"evaluate.episodes=2"}), {"study.toml", {"evaluate.episodes=2"}});
   }

@@ -103,7 +103,7 @@ std::string share_text(const Interval& share) {
   return fmt::format("{:.0f} % [{:.0f}, {:.0f}]", 100 * share.estimate, 100 * share.low, 100 * share.high);
 }
 
-/// "12 levels, behind at 3, undecided at 1"
+/// "ahead at 12, behind at 3, undecided at 1 of 16 levels"
 std::string levels_text(const SweepComparison& item) {
   std::vector<std::string> parts;
   for (const Standing standing : {Standing::ahead, Standing::behind, Standing::undecided}) {
@@ -130,7 +130,9 @@ std::string plain_text(const Study& study, const PolicyPair& pair, const std::ve
                          study.metric_set.name(margin_metric(study)), " on the same episodes, ",
                          study.starts[pair.start].name, " start, 95 % intervals\n\n");
   for (const SweepComparison& item : found) text += sweep_text(study, item) + "\n";
-  return text + "difference: the mean score over the levels. improvement: the probability that one scores higher.\n";
+  return text +
+         "Difference: of the mean score over the levels.\n"
+         "Improvement: the probability that the first scores higher.\n";
 }
 
 int compare_command(const Options& options) {
