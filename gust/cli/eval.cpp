@@ -160,8 +160,7 @@ FilePolicy prepare_policy(const EvalRequest& request, const Setup& setup, std::s
     table.set(key, setting_value(*text, {cat("--", key)}));
   }
   if (!request.has_file()) return {.policy = make_policy(request.policy, setup, {"POLICY"})};
-  const PolicyUse use{
-      .output = request.output, .data = &data, .interface = read_interface(table, setup.plant->spec())};
+  const PolicyUse use{.output = request.output, .data = &data, .interface = read_interface(table, setup.plant->spec())};
   return file_policy(bytes, request.policy, setup, use);
 }
 

@@ -153,8 +153,9 @@ StartProtocol random_starts() { return {"random", true, {}}; }
 std::string start_complaint(const StartProtocol& start, const PlantSpec& spec) {
   for (std::size_t i = 0; i < start.state.size(); ++i) {
     if (start.state[i] >= spec.fail_low[i] && start.state[i] <= spec.fail_high[i]) continue;
-    return fmt::format("{} = {} lies outside the safe set, {:.4g} to {:.4g} {}: the episode would fail before its first step",
-                       spec.state[i].name, start.state[i], spec.fail_low[i], spec.fail_high[i], spec.state[i].unit);
+    return fmt::format(
+        "{} = {} lies outside the safe set, {:.4g} to {:.4g} {}: the episode would fail before its first step",
+        spec.state[i].name, start.state[i], spec.fail_low[i], spec.fail_high[i], spec.state[i].unit);
   }
   return "";
 }

@@ -57,8 +57,8 @@ std::vector<double> falling_levels(const MarginCurve& curve, const MarginRule& r
     for (std::size_t i = 0; i < curve.levels.size(); ++i) {
       if (curve.scores[i][u] >= threshold) continue;
       level = i == 0 ? 0.0
-                     : crossing_between(curve.levels[i - 1], curve.levels[i], curve.scores[i - 1][u], curve.scores[i][u],
-                                        threshold);
+                     : crossing_between(curve.levels[i - 1], curve.levels[i], curve.scores[i - 1][u],
+                                        curve.scores[i][u], threshold);
       break;
     }
     if (level > 0) out.push_back(log(level));
@@ -118,8 +118,7 @@ MarginBands margin_bands(const MarginCurve& curve, const MarginRule& rule) {
   MarginBands bands;
   std::vector<double> left(units);
   for (const std::vector<double>& scores : curve.scores) {
-    for (std::size_t u = 0; u < units; ++u)
-      left[u] = scores[u] - rule.fraction * undisturbed_of(curve, u);
+    for (std::size_t u = 0; u < units; ++u) left[u] = scores[u] - rule.fraction * undisturbed_of(curve, u);
     const double value = mean(left);
     const double half = units > 1 ? reach * sample_deviation(left) : 0.0;
     bands.value.push_back(value);
@@ -137,9 +136,9 @@ double falling_bound(const MarginCurve& curve, const MarginRule& rule) {
   const double share = std::min(0.5, losing_share(curve, fallen));
   const double noncentrality = -boost::math::quantile(boost::math::normal(), share) * std::sqrt(n);
   const double upper = 0.5 + 0.5 * rule.confidence;
-  const double reach =
-      noncentrality > 0 ? boost::math::quantile(boost::math::non_central_t(n - 1, noncentrality), upper)
-                        : boost::math::quantile(boost::math::students_t(n - 1), upper);
+  const double reach = noncentrality > 0
+                           ? boost::math::quantile(boost::math::non_central_t(n - 1, noncentrality), upper)
+                           : boost::math::quantile(boost::math::students_t(n - 1), upper);
   return exp(mean(logs) - reach / std::sqrt(n) * sample_deviation(logs));
 }
 
@@ -164,7 +163,9 @@ Margin margin(const MarginCurve& curve, const MarginRule& rule) {
   } else if (i == 0) {
     result.level.estimate = levels.front();
   } else {
-    result.level.estimate = rule.interpolated ? crossing_between(levels[i - 1], levels[i], bands.value[i - 1], bands.value[i], 0.0) : levels[i];
+    result.level.estimate = rule.interpolated
+                                ? crossing_between(levels[i - 1], levels[i], bands.value[i - 1], bands.value[i], 0.0)
+                                : levels[i];
   }
   if (result.level.unit == Unit::none) return result;
   const std::size_t low = first_below(bands.low), high = first_below(bands.high);

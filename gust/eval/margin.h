@@ -23,7 +23,7 @@ struct Curve {
 /// The first level at which the score falls below a fraction of the undisturbed score.
 struct MarginRule {
   double fraction = 0.9;
-  bool interpolated = true;   ///< where the straight line between two levels crosses, else the first level below
+  bool interpolated = true;  ///< where the straight line between two levels crosses, else the first level below
   double confidence = 0.95;  ///< of a margin's interval
 };
 
@@ -45,11 +45,11 @@ struct MarginCurve {
 /// A margin in units of the level: the first level at which the mean score over the units falls below the rule's
 /// fraction of the mean undisturbed score. docs/metrics.md has the definition, decision 4 the reasons.
 ///
-/// An estimate or a low bound beyond the levels stands at the last level, a high bound at infinity: so comparing a bound
-/// with a number says only what the data say.
+/// An estimate or a low bound beyond the levels stands at the last level, a high bound at infinity: so comparing a
+/// bound with a number says only what the data say.
 struct Margin {
-  Interval level;            ///< estimate NaN: there is no margin, and `reason` says why
-  bool censored = false;     ///< nothing fell: the margin is at least the last level
+  Interval level;         ///< estimate NaN: there is no margin, and `reason` says why
+  bool censored = false;  ///< nothing fell: the margin is at least the last level
   double last_level = std::numeric_limits<double>::quiet_NaN();
   bool at_most = false;     ///< the score has fallen at the smallest level looked at: the margin is at most that
   std::string reason = {};  ///< why there is none, or why it is 0

@@ -7,10 +7,10 @@
 namespace gust {
 namespace {
 
-constexpr double kWidestStep = 1.25;      // from one level to the next, below the crossings
-constexpr double kStep = 1.24;            // of the scan: rounding may not widen a step beyond kWidestStep
-constexpr double kFloor = 1e-2;           // of the lowest crossing: where the scan begins
-constexpr double kSmallest = 1e-6;        // of the last level: where it gives up
+constexpr double kWidestStep = 1.25;     // from one level to the next, below the crossings
+constexpr double kStep = 1.24;           // of the scan: rounding may not widen a step beyond kWidestStep
+constexpr double kFloor = 1e-2;          // of the lowest crossing: where the scan begins
+constexpr double kSmallest = 1e-6;       // of the last level: where it gives up
 constexpr std::size_t kMostBetween = 9;  // new levels in one gap at a time
 
 /// To four significant digits: levels that people can read.

@@ -107,7 +107,8 @@ TEST_CASE("where nothing falls the levels below the last are scanned and the mar
   CHECK(margin(refined(dip, {{}}, {0, 60})).level.estimate == doctest::Approx(10).epsilon(0.02));
 }
 
-/// Of 1000 sets of seeds, in how many the interval of the margin holds the true one: that of the mean over 20,000 seeds.
+/// Of 1000 sets of seeds, in how many the interval of the margin holds the true one: that of the mean over 20,000
+/// seeds.
 int covered(Shape shape, double quality, double sensitivity, std::size_t count) {
   const auto draw = [&](std::size_t size, Rng rng) {
     std::vector<Seed> seeds;

@@ -147,7 +147,8 @@ std::size_t level_cap(const Page& page, std::size_t limit) {
     std::size_t numbers = 0;
     for (const auto& curve : page.curves) {
       if (!leads(page, curve.metric)) continue;
-      numbers += std::min(cap, curve.band.value.size()) * ((curve.levels.empty() ? 0 : 1) + (curve.band.low.empty() ? 1 : 3));
+      numbers +=
+          std::min(cap, curve.band.value.size()) * ((curve.levels.empty() ? 0 : 1) + (curve.band.low.empty() ? 1 : 3));
     }
     return numbers * kBytesPerNumber;
   };

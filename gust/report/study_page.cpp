@@ -125,7 +125,9 @@ class PageWriter {
     page_.study_text = study_.text;
     page_.run_command = context.run_command;
     page_.export_command = context.export_command;
-    page_.interval = "95 % over training seeds; over episodes for a policy without seeds. Margins by Student’s t, the rest by a bootstrap";
+    page_.interval =
+        "95 % over training seeds; over episodes for a policy without seeds. Margins by Student’s t, the rest by a "
+        "bootstrap";
   }
 
   void lists() {

@@ -36,7 +36,8 @@ TEST_CASE("the page of a study has a curve for each sweep, policy, start and met
   CHECK(page.metrics[page.survival_metric].name == "survival");
   CHECK(page.metrics[page.saturation_metric].name == "saturation");
   CHECK(page.metrics[page.margin_metric].name == "anr_h");
-  for (const Page::Curve& curve : page.curves) CHECK(curve.band.value.size() == (curve.levels.empty() ? page.sweeps[curve.sweep].levels : curve.levels).size());
+  for (const Page::Curve& curve : page.curves)
+    CHECK(curve.band.value.size() == (curve.levels.empty() ? page.sweeps[curve.sweep].levels : curve.levels).size());
   CHECK(page.margins.size() == 2 * 2 * 2);
   REQUIRE(page.claims.size() == 1);
   CHECK(page.claims[0].verdict == Page::Verdict::kHolds);

@@ -36,6 +36,7 @@ class MarginSearch {
     std::vector<std::string> missing;
     scores_.take_undisturbed(MemberRows(plan, inputs_of(plan, trial, true), store, missing));
     const TrialGroup swept = inputs_of(plan, trial, false);
+    if (scores_.hopeless()) return;
     MemberRows rows(plan, swept, store, missing);
     if (!missing.empty()) throw Error(cat("not in the store: ", missing.front()));
     const std::vector<double>& levels = study.sweeps[trial.sweep].axes.front().values;
@@ -43,6 +44,8 @@ class MarginSearch {
     for (const std::size_t input : swept.trials) {
       policies_.push_back(trial_policy(study, plan, plan.trials[input], store));
       tasks_.push_back(trial_evaluation(study, plan.trials[input]));
+      tasks_.back()->evaluation.cells.resize(1);  // the others differ in the level alone
+      tasks_.back()->evaluation.cells.shrink_to_fit();
     }
   }
 
@@ -50,8 +53,8 @@ class MarginSearch {
   std::vector<double> wanted() const {
     std::vector<double> levels;
     for (std::size_t start = 0; start < study_.starts.size(); ++start) {
-      if (!scores_.obstacle(start).empty()) continue;
-      const MarginCurve curve = scores_.curve(start);
+      const MarginCurve& curve = scores_.curve(start);
+      if (curve.levels.empty()) continue;
       if (curve.levels.front() > 0) levels.push_back(0.0);
       for (const double level : next_margin_levels(curve, {}, study_.margin_tolerance)) levels.push_back(level);
     }
@@ -115,15 +118,23 @@ void MarginScores::take_undisturbed(MemberRows rows) {
   for (std::size_t start = 0; start < study_.starts.size(); ++start) {
     const bool same = episodes_repeat(study_, Trial::kNominal, start);
     curves_.emplace_back();
-    if (rows.has(score)) curves_.back().undisturbed = margin_scores(rows.values(start, score, same).view());
-    survival_.push_back(std::numeric_limits<double>::quiet_NaN());
-    if (rows.has("survival")) survival_.back() = mean(margin_scores(rows.values(start, "survival", same).view()));
+    obstacles_.push_back(obstacle(rows, start));
+    if (obstacles_.back().empty())
+      curves_.back().undisturbed = margin_scores(rows.values(start, score, same).view());
   }
 }
 
 void MarginScores::take(double level, std::size_t start, Cell scores) {
-  curves_[start].unit = unit_of(scores);
-  curves_[start].add(level, margin_scores(scores));
+  if (!obstacles_[start].empty()) return;  // nothing is kept of what has no margin
+  MarginCurve& curve = curves_[start];
+  curve.unit = unit_of(scores);
+  std::vector<double> units = margin_scores(scores);
+  const Sweep& sweep = study_.sweeps[sweep_];
+  const bool alone = sweep.disturbed.empty() && sweep.parameters.empty();
+  if (alone && curve.levels.empty() && curve.undisturbed.size() == units.size()) curve.add(0.0, curve.undisturbed);
+  if (alone && curve.levels.empty() && curve.undisturbed.size() == 1)
+    curve.add(0.0, std::vector(units.size(), curve.undisturbed.front()));
+  curve.add(level, std::move(units));
 }
 
 void MarginScores::take(double level, const MemberRows& rows) {
@@ -132,32 +143,30 @@ void MarginScores::take(double level, const MemberRows& rows) {
     take(level, start, rows.values(start, score, episodes_repeat(study_, sweep_, start)).view());
 }
 
-MarginCurve MarginScores::curve(std::size_t start) const {
-  MarginCurve curve = curves_[start];
-  const Sweep& sweep = study_.sweeps[sweep_];
-  const std::size_t units = curve.scores.empty() ? 0 : curve.scores.front().size();
-  if (!sweep.disturbed.empty() || !sweep.parameters.empty() || units == 0) return curve;
-  if (curve.undisturbed.size() == units) curve.add(0.0, curve.undisturbed);
-  if (curve.undisturbed.size() == 1) curve.add(0.0, std::vector(units, curve.undisturbed.front()));
-  return curve;
+bool MarginScores::hopeless() const {
+  return std::ranges::none_of(obstacles_, [](const std::string& obstacle) { return obstacle.empty(); });
 }
 
 Margin MarginScores::margin(std::size_t start) const {
-  const std::string reason = obstacle(start);
-  if (!reason.empty()) return no_margin(reason);
+  if (start >= curves_.size() || curve(start).levels.empty()) {
+    const bool known = start < obstacles_.size() && !obstacles_[start].empty();
+    return no_margin(known ? obstacles_[start] : "not measured");
+  }
   Margin found = gust::margin(curve(start));
   if (found.level.estimate == 0) found.reason = "what stands beside the level costs more than a tenth by itself";
   return found;
 }
 
-std::string MarginScores::obstacle(std::size_t start) const {
+std::string MarginScores::obstacle(const MemberRows& rows, std::size_t start) const {
   if (study_.sweeps[sweep_].axes.front().values.front() < 0)
-    return "its levels lie on both sides of 0 or below it; sweep each side from 0 (the factors of 'channels' turn the sign)";
-  if (start >= curves_.size() || curves_[start].undisturbed.empty() || curves_[start].scores.empty())
-    return "not measured";
-  if (survival_[start] < 0.5)
-    return fmt::format("it fails undisturbed: {:.3g} % of the episodes last to the end", 100 * survival_[start]);
-  return "";
+    return "its levels lie on both sides of 0 or below it; sweep each side from 0 (the factors of 'channels' turn the "
+           "sign)";
+  if (!rows.has(study_.metric_set.name(margin_metric(study_)))) return "not measured";
+  if (!rows.has("survival")) return "";
+  const Matrix<double> survived = rows.values(start, "survival", episodes_repeat(study_, Trial::kNominal, start));
+  const double share = mean(margin_scores(survived.view()));
+  if (share >= 0.5) return "";
+  return format("it fails undisturbed: {:.3g} % of the episodes last to the end", 100 * share);
 }
 
 Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,

@@ -20,17 +20,21 @@ class MarginScores {
   void take(double level, std::size_t start, Cell scores);
 
   /// The curve from a start. Where the sweep itself changes nothing else, level 0 is the undisturbed case.
-  MarginCurve curve(std::size_t start) const;
+  const MarginCurve& curve(std::size_t start) const { return curves_[start]; }
   /// The margin from a start, with the reason where it is none or 0.
   Margin margin(std::size_t start) const;
-  /// Why there is no margin from a start whatever the levels show; empty if there may be one.
-  std::string obstacle(std::size_t start) const;
+  /// Whether no start has a margin, whatever the levels show.
+  bool hopeless() const;
 
  private:
+  /// Why there is no margin from a start whatever the levels show, from its undisturbed rows; empty if there may be
+  /// one.
+  std::string obstacle(const MemberRows& undisturbed, std::size_t start) const;
+
   const Study& study_;
   std::size_t sweep_;
   std::vector<MarginCurve> curves_;
-  std::vector<double> survival_;  ///< the share of undisturbed episodes that do not fail, by start; NaN: not measured
+  std::vector<std::string> obstacles_;  ///< by start
 };
 
 /// Looks at more levels until no margin moves any more, from all starts at once, and stores the rows of all of them.

@@ -68,9 +68,8 @@ void check_level(const StudyPolicy& policy, const Table& table) {
 void leave_out_copies(StudyPolicy& policy) {
   std::vector<StudyPolicy::File> kept;
   for (StudyPolicy::File& file : policy.files) {
-    const auto same = std::ranges::find_if(kept, [&](const StudyPolicy::File& other) {
-      return other.bytes == file.bytes && other.data == file.data;
-    });
+    const auto same = std::ranges::find_if(
+        kept, [&](const StudyPolicy::File& other) { return other.bytes == file.bytes && other.data == file.data; });
     if (same == kept.end())
       kept.push_back(std::move(file));
     else

@@ -218,20 +218,14 @@ std::vector<std::size_t> margin_inputs(const Plan& plan, std::size_t policy, std
 Trial margin_trial(const Study& study, const Plan& plan, std::vector<std::size_t> inputs) {
   const Trial& first = plan.trials[inputs.back()];
   Trial trial{.kind = Trial::Kind::kMargin, .policy = first.policy, .member = first.member, .sweep = first.sweep};
-  trial.canonical = cat("margin v", kMarginVersion, "\n", common_text(study));
-  std::size_t members = 0;
-  for (const std::size_t input : inputs) {
-    if (plan.trials[input].sweep == Trial::kNominal) continue;
-    trial.canonical += policy_text(study, plan.trials[input], plan);
-    ++members;
-  }
-  trial.canonical += cat(injections_text(study.always), sweep_text(study, trial), starts_text(study), "episodes ",
-                         study.episodes, "\nterminate ", study.terminate, "\nseed ", study.seed, "\nscore ",
-                         study.metric_set.name(margin_metric(study)), "\ntolerance ",
+  trial.canonical = cat("margin v", kMarginVersion, "\n");
+  for (const std::size_t input : inputs) trial.canonical += cat("input ", plan.trials[input].id, "\n");
+  trial.canonical += cat("score ", study.metric_set.name(margin_metric(study)), "\ntolerance ",
                          canonical_text(study.margin_tolerance), "\n");
+  const auto members = static_cast<double>(inputs.size()) / 2;
   trial.what = cat("margin ", study.policies[trial.policy].name, " · ", study.sweeps[trial.sweep].name);
   trial.inputs = std::move(inputs);
-  trial.seconds = evaluation_seconds(study, kMarginLevels * static_cast<double>(members));
+  trial.seconds = evaluation_seconds(study, kMarginLevels * members);
   name_trial(trial, sweep_label(study, trial));
   return trial;
 }

@@ -7,8 +7,9 @@
 
 namespace gust {
 
-/// One unit of work: a training, the search of a failure level, one sweep of one policy's seed, or the levels around the
-/// margins of one policy along one sweep. Its outcome is a pure function of its canonical text, whose hash is its name.
+/// One unit of work: a training, the search of a failure level, one sweep of one policy's seed, or the levels around
+/// the margins of one policy along one sweep. Its outcome is a pure function of its canonical text, whose hash is its
+/// name.
 struct Trial {
   enum class Kind { kTrain, kSearch, kEvaluate, kMargin };
   static constexpr std::size_t kNominal = static_cast<std::size_t>(-1);
@@ -18,11 +19,11 @@ struct Trial {
   std::string what = {};       ///< for people: "ppo seed 2 · action step"
   std::string canonical = {};  ///< all that makes its outcome
   std::size_t policy = 0;
-  std::size_t member = 0;        ///< which seed or file of the policy; of a margin, the first
-  std::size_t sweep = kNominal;  ///< kNominal: undisturbed
+  std::size_t member = 0;                ///< which seed or file of the policy; of a margin, the first
+  std::size_t sweep = kNominal;          ///< kNominal: undisturbed
   std::vector<std::size_t> inputs = {};  ///< of an evaluation its training; of a margin its evaluations
-  double seconds = 0;  ///< predicted, on one core
-  double guess = 0;    ///< the same without having measured anything
+  double seconds = 0;                    ///< predicted, on one core
+  double guess = 0;                      ///< the same without having measured anything
 };
 
 /// "train", "search", "evaluate", "margin": also the folders of the store.
@@ -31,8 +32,8 @@ std::string_view kind_name(Trial::Kind kind);
 /// Levels that were found for automatic sweeps, by sweep.
 using FoundLevels = std::map<std::size_t, std::vector<double>>;
 
-/// All trials in their fixed order: trainings, searches, evaluations by policy, member and sweep, then margins by policy
-/// and sweep. Evaluations of automatic sweeps are there once their levels are.
+/// All trials in their fixed order: trainings, searches, evaluations by policy, member and sweep, then margins by
+/// policy and sweep. Evaluations of automatic sweeps are there once their levels are.
 struct Plan {
   std::vector<Trial> trials;
   bool complete = true;  ///< false while automatic sweeps wait for their levels

@@ -103,7 +103,8 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       const Study whole = parse_study(text, file, settings, no_files);
       reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
       std::ranges::move(profile_settings(whole, *reproduction.profile, seeds), std::back_inserter(settings));
-      if (r > 0) settings.push_back("evaluate.margin_tolerance=0");  // claims ask for the paper's grid, findings for margins
+      if (r > 0)
+        settings.push_back("evaluate.margin_tolerance=0");  // claims ask for the paper's grid, findings for margins
       reproduction.studies.push_back({r, f, parse_study(text, file, settings, no_files)});
     }
   }

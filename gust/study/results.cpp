@@ -123,8 +123,8 @@ class CellReader {
     return name.empty() ? Trial::kNominal : index_of(study_.sweeps, name, "sweep", table_.place(line));
   }
 
-  /// Automatic sweeps have the levels at which they were measured. Those that a margin asked for come behind them in the
-  /// lines of a series, and begin again from below.
+  /// Automatic sweeps have the levels at which they were measured. Those that a margin asked for come behind them in
+  /// the lines of a series, and begin again from below.
   void find_levels() {
     FoundLevels found;
     std::string series;

@@ -152,7 +152,8 @@ TEST_CASE("a claim whose trial is missing is told, and not decided") {
 
   const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
 
-  CHECK(claims_table(summary, 80) == "not testable  falls  survival <= 0.8  not measured: evaluate nothing · nominal\n");
+  CHECK(claims_table(summary, 80) ==
+        "not testable  falls  survival <= 0.8  not measured: evaluate nothing · nominal\n");
 }
 
 TEST_CASE("kept episodes and curves are read back as they were written") {

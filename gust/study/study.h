@@ -26,18 +26,18 @@ struct StudyPolicy {
   std::string name;
   Kind kind = Kind::kZero;
   Place place;
-  LqrWeights weights;                ///< kLqr
-  std::vector<File> files;           ///< kOnnx; several count as seeds, byte-equal ones are one
+  LqrWeights weights;                                       ///< kLqr
+  std::vector<File> files;                                  ///< kOnnx; several count as seeds, byte-equal ones are one
   std::vector<std::pair<std::string, std::string>> copies;  ///< kOnnx: files left out, each with the one it equals
-  Made<Agent> agent;                 ///< kTrain
-  std::vector<std::int64_t> seeds;   ///< kTrain
-  std::vector<Injection> disturbed;  ///< kTrain: on during training
-  Randomisation randomised;          ///< kTrain: parameters drawn in training
-  std::string output;                ///< kOnnx: the output that is the action; empty: read_onnx finds it
-  std::optional<double> alpha;       ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
-  PolicyInterface interface;         ///< kOnnx: how it sees and acts, if not as gust does
-  bool foreign = false;              ///< kOnnx: a file of it was not made by gust
-  std::string unit_warning;          ///< kOnnx: of its first file whose unit nobody says
+  Made<Agent> agent;                                        ///< kTrain
+  std::vector<std::int64_t> seeds;                          ///< kTrain
+  std::vector<Injection> disturbed;                         ///< kTrain: on during training
+  Randomisation randomised;                                 ///< kTrain: parameters drawn in training
+  std::string output;           ///< kOnnx: the output that is the action; empty: read_onnx finds it
+  std::optional<double> alpha;  ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
+  PolicyInterface interface;    ///< kOnnx: how it sees and acts, if not as gust does
+  bool foreign = false;         ///< kOnnx: a file of it was not made by gust
+  std::string unit_warning;     ///< kOnnx: of its first file whose unit nobody says
 
   /// How many policies share the name: training seeds or files, else one.
   std::size_t count() const;

@@ -208,9 +208,7 @@ std::size_t Series::row_of(std::size_t metric) const {
   return static_cast<std::size_t>(place - metrics.begin());
 }
 
-const Estimate& Series::at(std::size_t metric, std::size_t cell) const {
-  return values[row_of(metric) * cells + cell];
-}
+const Estimate& Series::at(std::size_t metric, std::size_t cell) const { return values[row_of(metric) * cells + cell]; }
 
 const Estimate& Series::at_added(std::size_t metric, std::size_t level) const {
   return added_values[row_of(metric) * added_levels.size() + level];

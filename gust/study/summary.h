@@ -28,7 +28,7 @@ struct Series {
   std::vector<double> trainings = {};
   Unit unit = Unit::none;  ///< what the intervals were resampled over
   std::size_t units = 0;
-  Margin margin = {};      ///< of the first metric that is better when higher; sweeps over levels only
+  Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
   bool has_margin = false;
   std::size_t not_finite = 0;  ///< episodes with numbers that were none
 

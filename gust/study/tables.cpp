@@ -98,7 +98,8 @@ std::string reasons(const Study& study, const Summary& summary, std::size_t star
     if (!series.has_margin || series.start != start || series.margin.reason.empty()) continue;
     const bool zero = !std::isnan(series.margin.level.estimate);
     const std::string& policy = study.policies[series.policy].name;
-    const std::string whose = zero ? cat("0 for ", policy, " under ", study.sweeps[series.sweep].name) : cat("– for ", policy);
+    const std::string whose =
+        zero ? cat("0 for ", policy, " under ", study.sweeps[series.sweep].name) : cat("– for ", policy);
     std::string line = cat(whose, ": ", series.margin.reason, "\n");
     if (std::ranges::find(lines, line) == lines.end()) lines.push_back(std::move(line));
   }

@@ -76,8 +76,9 @@ TEST_CASE("why there is no margin, or the margin 0, is told once below the table
   const std::string table = margins_table(small_study(), summary, 0, 80);
 
   CHECK(table.find("push         action    step      N     –    0 [0, 0]\n") != std::string::npos);
-  CHECK(table.ends_with("\n\n– for lqr: it fails undisturbed: 0 % of the episodes last to the end\n"
-                        "0 for nothing under push: the wind\n"));
+  CHECK(
+      table.ends_with("\n\n– for lqr: it fails undisturbed: 0 % of the episodes last to the end\n"
+                      "0 for nothing under push: the wind\n"));
 }
 
 TEST_CASE("a study without disturbances has no table of margins") {

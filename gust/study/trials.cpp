@@ -240,8 +240,9 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
       return zero_policy(study.setup.plant->spec().observations(), study.setup.plant->spec().action.size());
     case StudyPolicy::Kind::kOnnx: {
       const StudyPolicy::File& file = policy.files[trial.member];
-      return onnx_policy(file.bytes, file.path, study.setup,
-                         {.alpha = policy.alpha, .output = policy.output, .data = &file.data, .interface = policy.interface});
+      return onnx_policy(
+          file.bytes, file.path, study.setup,
+          {.alpha = policy.alpha, .output = policy.output, .data = &file.data, .interface = policy.interface});
     }
     default:
       break;

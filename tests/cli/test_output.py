@@ -146,9 +146,9 @@ def test_packing_a_store_with_a_damaged_trial_keeps_the_others_and_says_so(gust,
 
     done = gust("store", "pack", "small.gust", "out.pack", code=1)
 
-    assert done.stdout.startswith("out.pack: 1 trials, ")
+    assert done.stdout.startswith("out.pack: 2 trials, ")
     assert "gust: out.pack: lacks 1 damaged trial; run the study again\n" in done.stderr
-    assert gust("store", "unpack", "out.pack", "new.gust").stdout == "new.gust: 1 trials added, 0 were there\n"
+    assert gust("store", "unpack", "out.pack", "new.gust").stdout == "new.gust: 2 trials added, 0 were there\n"
 
 
 def test_names_with_control_characters_reach_no_terminal(gust, tmp_path):

@@ -58,7 +58,7 @@ def run_on_terminal(folder, study, **environment):
 def test_a_terminal_gets_a_bar_that_is_gone_in_the_end(tmp_path):
     said, shown = run_on_terminal(tmp_path, SECONDS_LONG)
 
-    assert re.search(r"━.* +\d+ %  \d/2 trials  (\d+:\d\d|\?) left", shown)
+    assert re.search(r"━.* +\d+ %  \d/3 trials  (\d+:\d\d|\?) left", shown)
     assert "evaluate lqr · white noise on the action" in shown
     assert "\x1b[36m" in shown
     assert shown.endswith("\r\x1b[J")
@@ -91,7 +91,7 @@ def test_a_file_gets_a_line_every_ten_percent(tmp_path, gust):
     done = gust("run", "study.toml", "--threads", "2")
 
     lines = done.stderr.splitlines()
-    shares = [int(re.fullmatch(r"gust: (\d+) %, \d of 2 trials(, \d+:\d\d left)?", line)[1]) for line in lines]
+    shares = [int(re.fullmatch(r"gust: (\d+) %, \d of 3 trials(, \d+:\d\d left)?", line)[1]) for line in lines]
     assert 1 <= len(shares) <= 10
     assert all(later // 10 > earlier // 10 for earlier, later in zip(shares, shares[1:]))
     assert "%" not in done.stdout.split("Page:")[-1]
