@@ -119,8 +119,7 @@ void MarginScores::take_undisturbed(MemberRows rows) {
     const bool same = episodes_repeat(study_, Trial::kNominal, start);
     curves_.emplace_back();
     obstacles_.push_back(obstacle(rows, start));
-    if (obstacles_.back().empty())
-      curves_.back().undisturbed = margin_scores(rows.values(start, score, same).view());
+    if (obstacles_.back().empty()) curves_.back().undisturbed = margin_scores(rows.values(start, score, same).view());
   }
 }
 
