@@ -21,11 +21,12 @@ if(TARGET gust)
              COMMAND scripts/make-docs --check $<TARGET_FILE:gust>)
 endif()
 
-# Under the sanitizers without those tests that learn for minutes: shorter ones run the same code.
+# Under the sanitizers without those tests that learn or simulate for minutes: shorter ones run the same code.
 set(learning "8.3.7*,8.5.5*,8.6.2*,8.6.3*,8.6.6*,8.7.2*,8.7.3*,8.7.4*,8.7.5*,8.7.6*,*learns to hold*")
+set(simulating "with as many episodes*,a paired difference covers*,the interval of a margin covers*,what is computed from shares*")
 foreach(program ${unit_programs})
   gust_check("${program} is clean under the sanitizers" LABEL sanitizers SECONDS 1200
-             COMMAND ${PROJECT_SOURCE_DIR}/build/asan/${program} --no-intro --test-case-exclude=${learning})
+             COMMAND ${PROJECT_SOURCE_DIR}/build/asan/${program} --no-intro --test-case-exclude=${learning},${simulating})
 endforeach()
 
 file(GLOB fuzzers RELATIVE ${PROJECT_SOURCE_DIR}/fuzz CONFIGURE_DEPENDS fuzz/fuzz_*.cpp)
