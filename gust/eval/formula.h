@@ -30,10 +30,14 @@ Truth related(std::string_view sign, const Sampled& left, const Sampled& right);
 
 struct FormulaValue;
 
-/// Values in a row; of a curve, `axis` says where each one stands (a level, a step), else it is empty.
+/// Values in a row; of a curve, `axis` says where each one stands (a level, a step), else it is empty. A curve along the
+/// levels of a disturbance may have more values, at levels that its margin asked for: these are for margin() alone, as
+/// all else is about the levels that somebody chose.
 struct FormulaList {
   std::vector<FormulaValue> items;
   std::vector<double> axis;
+  std::vector<FormulaValue> added = {};
+  std::vector<double> added_axis = {};
 };
 
 /// What a part of a formula comes to.

@@ -184,8 +184,20 @@ FormulaValue half(const Arguments& arguments) {
   const CurveArgument curve = filled_curve_of(arguments[0], "half");
   return place_on(curve, curve.values, true, [](Values x, Values y) { return crossing(x, y, kHalfScore); });
 }
+/// A curve with the values at levels that its margin asked for, in their places.
+FormulaList with_added(const FormulaList& list) {
+  FormulaList all{list.items, list.axis};
+  for (std::size_t i = 0; i < list.added_axis.size(); ++i) {
+    const auto at = std::ranges::lower_bound(all.axis, list.added_axis[i]) - all.axis.begin();
+    if (all.axis[static_cast<std::size_t>(at)] == list.added_axis[i]) continue;  // added levels lie below the last
+    all.items.insert(all.items.begin() + at, list.added[i]);
+    all.axis.insert(all.axis.begin() + at, list.added_axis[i]);
+  }
+  return all;
+}
 FormulaValue margin_of(const Arguments& arguments) {
-  const CurveArgument curve = filled_curve_of(arguments[0], "margin");
+  const FormulaValue all{with_added(arguments[0].as_list("margin"))};
+  const CurveArgument curve = filled_curve_of(all, "margin");
   return place_on(curve, curve.values, false, [](Values x, Values y) { return crossing(x, y, MarginRule{}); });
 }
 FormulaValue reach(const Arguments& arguments) {

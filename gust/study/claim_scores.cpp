@@ -8,6 +8,7 @@
 #include "gust/eval/aggregate.h"
 #include "gust/eval/sampled_share.h"
 #include "gust/eval/statistics.h"
+#include "gust/study/margin_trial.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -241,7 +242,9 @@ FormulaValue ClaimScores::score(const std::string& metric, const Arguments& argu
   const std::vector<Sampled>& all = cells(place, metric);
   if (axes.size() == 1) {
     if (arguments.size() == 3) throw Error("a curve has one axis; its value at a level is at(score(…), level)");
-    return {listed(levels_of(sweep, 0), all)};
+    FormulaList curve = listed(levels_of(sweep, 0), all);
+    add_levels(place, metric, curve);
+    return {std::move(curve)};
   }
   if (arguments.size() < 3) return {listed({}, all)};
   const Sampled& row = arguments[2].as_number(cat("'", metric, "'"));
@@ -286,6 +289,27 @@ const std::vector<Sampled>& ClaimScores::cells(const Place& place, const std::st
   const std::string key = cat(place.source - sources_.data(), "/", place.policy, "/", place.sweep, "/", metric);
   const auto known = known_.find(key);
   return known != known_.end() ? known->second : known_.emplace(key, read_cells(place, metric)).first->second;
+}
+
+void ClaimScores::add_levels(const Place& place, const std::string& metric, FormulaList& curve) const {
+  const ClaimSource& source = *place.source;
+  if (source.store == nullptr) return;
+  const auto margin = std::ranges::find_if(source.plan->trials, [&](const Trial& trial) {
+    return trial.kind == Trial::Kind::kMargin && trial.policy == place.policy && trial.sweep == place.sweep;
+  });
+  if (margin == source.plan->trials.end()) return;
+  const std::optional<StoredTrial> stored = source.store->load(kind_name(margin->kind), margin->id);
+  const std::size_t start = index_of(source.study->starts, view_.start);
+  if (!stored || margin->inputs.size() != 2 * members(place).size()) return;  // it is that of other members
+  const bool repeats = episodes_repeat(*source.study, place.sweep, start);
+  std::vector<Sampled> added;
+  for_each_margin_level(*stored, [&](double level, const MemberRows& rows) {
+    if (!rows.has(metric) || level >= curve.axis.back()) return;
+    const Matrix<double> values = rows.values(start, metric, repeats);
+    added.push_back(sampled(place, unit_values(values.view()), over_units(place)));
+    curve.added_axis.push_back(level);
+  });
+  curve.added = listed({}, added).items;
 }
 
 std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::string& metric) const {

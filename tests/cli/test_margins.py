@@ -193,3 +193,13 @@ def test_a_tolerance_that_is_none_is_refused(gust, tmp_path, tolerance):
     (tmp_path / "study.toml").write_text(CARTPOLE + PUSH.replace("LEVELS", "[0, 1]"))
     done = gust("run", "study.toml", "--set", f"evaluate.margin_tolerance={tolerance}", code=2)
     assert "margin_tolerance" in done.stderr
+
+
+def test_a_margin_in_a_claim_is_that_of_the_table_from_any_grid(gust, tmp_path):
+    claim = '\n[[claim]]\nid = "c"\ntext = "t"\nholds = "margin(score(\'lqr\', \'push\')) >= 0.02"\n'
+    for number, levels in enumerate(("[0, 0.4]", "{ from = 0, to = 0.4, count = 81 }")):
+        (tmp_path / "study.toml").write_text(CARTPOLE + PUSH.replace("LEVELS", levels) + claim)
+        told = json.loads(gust("run", "study.toml", "--out", f"out-{number}", "--json").stdout)
+        estimate = told["claims"][0]["estimate"]
+        assert abs(estimate - told["margins"][0]["margin"]) < 0.001, levels
+        assert told["claims"][0]["verdict"] == "holds"
