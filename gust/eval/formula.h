@@ -30,9 +30,9 @@ Truth related(std::string_view sign, const Sampled& left, const Sampled& right);
 
 struct FormulaValue;
 
-/// Values in a row; of a curve, `axis` says where each one stands (a level, a step), else it is empty. A curve along the
-/// levels of a disturbance may have more values, at levels that its margin asked for: these are for margin() alone, as
-/// all else is about the levels that somebody chose.
+/// Values in a row; of a curve, `axis` says where each one stands (a level, a step), else it is empty. A curve along
+/// the levels of a disturbance may have more values, at levels that its margin asked for: these are for margin() alone,
+/// as all else is about the levels that somebody chose.
 struct FormulaList {
   std::vector<FormulaValue> items;
   std::vector<double> axis;
