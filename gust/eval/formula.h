@@ -36,8 +36,8 @@ struct FormulaValue;
 struct FormulaList {
   std::vector<FormulaValue> items;
   std::vector<double> axis;
-  std::vector<FormulaValue> added = {};
-  std::vector<double> added_axis = {};
+  std::vector<FormulaValue> added;
+  std::vector<double> added_axis;
 };
 
 /// What a part of a formula comes to.
