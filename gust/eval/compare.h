@@ -38,7 +38,7 @@ struct Comparison {
   std::vector<double> levels;            ///< that both curves have
   std::vector<PairedDifference> scores;  ///< at each of them, the mean score of a minus that of b
   PairedDifference over;                 ///< of the mean score over the levels (areas())
-  Interval ratio;                        ///< the margin of a over that of b; NaN where one has none
+  Interval ratio;                        ///< margin_ratio(); NaN where it was not asked for or one has no margin
   Interval improvement;                  ///< the probability that a scores higher, averaged over the levels
 };
 
@@ -51,6 +51,17 @@ struct Comparison {
 /// one alone over episodes, pair by pair; it is never narrower than Wilson's interval of as many units.
 ///
 /// Both curves must have the same lanes. Numbers that are not finite count as 0.
-Comparison compare(const Curve& a, const Curve& b, const MarginRule& rule, const Rng& rng);
+Comparison compare(const Curve& a, const Curve& b, const Rng& rng);
+
+/// A curve from which a margin is told, with the undisturbed scores of the same seeds and episodes. Its levels may be
+/// others than those of the curve that it is compared with.
+struct MarginCells {
+  Curve curve;
+  Cell undisturbed;
+};
+
+/// The margin of a over that of b, with an interval as compare() has it. A margin beyond the levels, or below the first
+/// one, is a bound, and so is the ratio. NaN where both are 0 or an undisturbed score is not positive.
+Interval margin_ratio(const MarginCells& a, const MarginCells& b, const MarginRule& rule, const Rng& rng);
 
 }  // namespace gust

@@ -32,12 +32,15 @@ struct FormulaValue;
 
 /// Values in a row; of a curve, `axis` says where each one stands (a level, a step), else it is empty. A curve along
 /// the levels of a disturbance may have more values, at levels that its margin asked for: these are for margin() alone,
-/// as all else is about the levels that somebody chose.
+/// as all else is about the levels that somebody chose. margin() and half() fall from the undisturbed score, where
+/// there is one, else from the first value.
 struct FormulaList {
   std::vector<FormulaValue> items;
   std::vector<double> axis;
   std::vector<FormulaValue> added;
   std::vector<double> added_axis;
+  std::optional<Sampled> undisturbed = {};
+  std::string no_margin = {};  ///< why margin() cannot be told whatever the values are
 };
 
 /// What a part of a formula comes to.

@@ -133,17 +133,21 @@ FormulaValue of_curve_rising(const FormulaValue& value, std::string_view what, F
   return {combine_rising(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
 }
 
-/// A place on the axis of a curve, found by function(axis, values), which gives infinity where it lies beyond the last
-/// one: then it is known that it is at least there, or further where `beyond` says so.
+/// A place on the axis of a curve, found by function(axis, values, reference), which may be a bound: infinite above
+/// where it lies beyond the last one, or further where `beyond` says so.
 template <class Function>
-FormulaValue place_on(const CurveArgument& curve, std::span<const Sampled> numbers, bool beyond, Function function) {
+FormulaValue place_on(const CurveArgument& curve, const Sampled& reference, bool beyond, Function function) {
   const double last = curve.axis.back();
-  const Bounds open(beyond ? std::nextafter(last, kInfinity) : last, kInfinity);
+  std::vector<Sampled> numbers = curve.values;
+  numbers.push_back(reference);
+  bool ends = false;
   Sampled found = combine(numbers, [&](Values values) -> Bounds {
-    const double place = function(Values(curve.axis), values);
-    return std::isinf(place) ? open : Bounds(place);
+    const Bounds place = function(Values(curve.axis), values.first(curve.axis.size()), values.back());
+    ends = ends || std::isinf(place.high);
+    return beyond && std::isinf(place.high) ? Bounds(std::nextafter(last, kInfinity), kInfinity) : place;
   });
-  if (!found.upper.empty() && found.limit.empty()) found.limit = cat("the levels end at ", last);
+  if (!found.upper.empty() && found.limit.empty())
+    found.limit = ends ? cat("the levels end at ", last) : cat("the levels begin at ", curve.axis.front());
   return {std::move(found)};
 }
 
@@ -180,13 +184,18 @@ FormulaValue area(const Arguments& arguments) {
     return sum / (x.back() - x.front());
   });
 }
+/// Where a curve falls below a fraction of the undisturbed score.
+FormulaValue fall_of(const FormulaList& list, const CurveArgument& curve, const MarginRule& rule) {
+  const Sampled& undisturbed = list.undisturbed ? *list.undisturbed : curve.values.front();
+  return place_on(curve, undisturbed, !rule.interpolated,
+                  [&](Values x, Values y, double reference) { return crossing(x, y, reference, rule); });
+}
 FormulaValue half(const Arguments& arguments) {
-  const CurveArgument curve = filled_curve_of(arguments[0], "half");
-  return place_on(curve, curve.values, true, [](Values x, Values y) { return crossing(x, y, kHalfScore); });
+  return fall_of(arguments[0].as_list("half"), filled_curve_of(arguments[0], "half"), kHalfScore);
 }
 /// A curve with the values at levels that its margin asked for, in their places.
 FormulaList with_added(const FormulaList& list) {
-  FormulaList all{list.items, list.axis};
+  FormulaList all{list.items, list.axis, {}, {}};
   for (std::size_t i = 0; i < list.added_axis.size(); ++i) {
     const auto at = std::ranges::lower_bound(all.axis, list.added_axis[i]) - all.axis.begin();
     if (all.axis[static_cast<std::size_t>(at)] == list.added_axis[i]) continue;  // added levels lie below the last
@@ -196,19 +205,18 @@ FormulaList with_added(const FormulaList& list) {
   return all;
 }
 FormulaValue margin_of(const Arguments& arguments) {
-  const FormulaValue all{with_added(arguments[0].as_list("margin"))};
-  const CurveArgument curve = filled_curve_of(all, "margin");
-  return place_on(curve, curve.values, false, [](Values x, Values y) { return crossing(x, y, MarginRule{}); });
+  const FormulaList& list = arguments[0].as_list("margin");
+  if (!list.no_margin.empty()) throw NotTestable(cat("there is no margin: ", list.no_margin));
+  const FormulaValue all{with_added(list)};
+  return fall_of(list, filled_curve_of(all, "margin"), MarginRule{});
 }
 FormulaValue reach(const Arguments& arguments) {
   const CurveArgument curve = filled_curve_of(arguments[0], "reach");
-  std::vector<Sampled> numbers = curve.values;
-  numbers.push_back(arguments[1].as_number("reach"));
-  return place_on(curve, numbers, true, [](Values x, Values values) {
+  return place_on(curve, arguments[1].as_number("reach"), true, [](Values x, Values y, double value) -> Bounds {
     for (std::size_t i = 0; i < x.size(); ++i) {
-      if (values[i] >= values.back()) return x[i];
+      if (y[i] >= value) return x[i];
     }
-    return kInfinity;
+    return {x.back(), kInfinity};
   });
 }
 FormulaValue drop(const Arguments& arguments) {

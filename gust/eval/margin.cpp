@@ -92,15 +92,17 @@ void MarginCurve::add(double level, std::vector<double> scores_there) {
   levels.insert(at, level);
 }
 
-double crossing(std::span<const double> levels, std::span<const double> scores, const MarginRule& rule) {
-  if (!(scores.front() > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  const double threshold = rule.fraction * scores.front();
-  for (std::size_t i = 1; i < scores.size(); ++i) {
+Bounds crossing(std::span<const double> levels, std::span<const double> scores, double undisturbed,
+                const MarginRule& rule) {
+  if (!(undisturbed > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  const double threshold = rule.fraction * undisturbed;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
     if (scores[i] >= threshold) continue;
     if (!rule.interpolated) return levels[i];
+    if (i == 0) return {std::min(0.0, levels.front()), levels.front()};
     return crossing_between(levels[i - 1], levels[i], scores[i - 1], scores[i], threshold);
   }
-  return kInfinity;
+  return {levels.back(), kInfinity};
 }
 
 bool falls_short(double nominal, double best, const MarginRule& rule) {

@@ -8,6 +8,7 @@
 #include "gust/eval/aggregate.h"
 #include "gust/eval/bootstrap.h"
 #include "gust/eval/interval.h"
+#include "gust/eval/sampled.h"
 
 namespace gust {
 
@@ -55,9 +56,11 @@ struct Margin {
   std::string reason = {};  ///< why there is none, or why it is 0
 };
 
-/// The level at which the scores of a curve fall below the rule's fraction of the first one; infinite if they never do,
-/// NaN if the first is not positive.
-double crossing(std::span<const double> levels, std::span<const double> scores, const MarginRule& rule);
+/// The level at which the scores along the levels fall below the rule's fraction of the undisturbed score, as far as
+/// the levels tell: at least the last one where no score falls, between 0 and the first one where that has fallen
+/// already (for a rule of levels alone it is the first). NaN if the undisturbed score is not positive.
+Bounds crossing(std::span<const double> levels, std::span<const double> scores, double undisturbed,
+                const MarginRule& rule);
 
 /// Whether a nominal score is below the rule's fraction of the best one. Its margin is then a fall from less, and says
 /// nothing against the others'. False where either score is not known or the best is not positive.

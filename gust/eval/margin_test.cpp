@@ -25,15 +25,36 @@ MarginCurve curve_of(std::vector<std::vector<double>> scores) {
 
 TEST_CASE("a score crosses where the straight line between two levels meets the threshold") {
   const std::array levels = {0.0, 2.0, 4.0};
+  const auto level = [&](std::array<double, 3> scores, MarginRule rule) {
+    const Bounds found = crossing(levels, scores, scores.front(), rule);
+    CHECK(found.exact());
+    return found.low;
+  };
 
-  CHECK(crossing(levels, std::array{8.0, 8.0, 4.0}, {.fraction = 0.75}) == 3.0);
-  CHECK(crossing(levels, std::array{8.0, 8.0, 4.0}, {.fraction = 0.75, .interpolated = false}) == 4.0);
-  CHECK(crossing(levels, std::array{8.0, 6.0, 5.0}, {.fraction = 0.75}) == 2.0);  // equal is not below
-  CHECK(crossing(levels, std::array{8.0, 7.0, 6.0}, {.fraction = 0.75}) == kInfinity);
-  CHECK(crossing(levels, std::array{8.0, 4.0, 9.0}, {.fraction = 0.75}) == 1.0);  // the first crossing counts
-  CHECK(std::isnan(crossing(levels, std::array{0.0, 4.0, 9.0}, {})));
-  CHECK(std::isnan(crossing(levels, std::array{-1.0, 4.0, 9.0}, {})));
-  CHECK(std::isnan(crossing(levels, std::array{kNaN, 4.0, 9.0}, {})));
+  CHECK(level({8.0, 8.0, 4.0}, {.fraction = 0.75}) == 3.0);
+  CHECK(level({8.0, 8.0, 4.0}, {.fraction = 0.75, .interpolated = false}) == 4.0);
+  CHECK(level({8.0, 6.0, 5.0}, {.fraction = 0.75}) == 2.0);  // equal is not below
+  CHECK(level({8.0, 4.0, 9.0}, {.fraction = 0.75}) == 1.0);  // the first crossing counts
+  for (const double undisturbed : {0.0, -1.0, kNaN}) CHECK(std::isnan(level({undisturbed, 4.0, 9.0}, {})));
+}
+
+TEST_CASE("a score that crosses beyond the levels or before the first one is a bound") {
+  const std::array levels = {1.0, 2.0}, from_zero = {0.0, 2.0};
+  const std::array high = {8.0, 7.0}, low = {5.0, 4.0};
+
+  const Bounds beyond = crossing(levels, high, 8.0, {.fraction = 0.75});
+  const Bounds before = crossing(levels, low, 8.0, {.fraction = 0.75});
+  const Bounds spent = crossing(from_zero, low, 8.0, {.fraction = 0.75});
+  const Bounds first = crossing(levels, low, 8.0, {.fraction = 0.75, .interpolated = false});
+
+  CHECK(beyond.low == 2.0);
+  CHECK(beyond.high == kInfinity);
+  CHECK(before.low == 0.0);
+  CHECK(before.high == 1.0);
+  CHECK(spent.exact());
+  CHECK(spent.low == 0.0);
+  CHECK(first.low == 1.0);
+  CHECK(first.exact());
 }
 
 TEST_CASE("the interval of a margin reaches out to the levels that were looked at") {

@@ -32,21 +32,31 @@ struct UnitCurves {
   std::vector<std::vector<double>> episodes;
 };
 
+void add_cell(const Cell& cell, UnitCurves& result) {
+  std::vector<double> seeds(cell.rows, 0.0), episodes(cell.lanes, 0.0);
+  for (std::size_t seed = 0; seed < cell.rows; ++seed) {
+    for (std::size_t episode = 0; episode < cell.lanes; ++episode) {
+      const double score = std::isfinite(cell.at(seed, episode)) ? cell.at(seed, episode) : 0.0;
+      seeds[seed] += score / static_cast<double>(cell.lanes);
+      episodes[episode] += score / static_cast<double>(cell.rows);
+    }
+  }
+  result.means.push_back(mean(seeds));
+  result.seeds.push_back(std::move(seeds));
+  result.episodes.push_back(std::move(episodes));
+}
+
 UnitCurves unit_curves(const Curve& curve) {
   UnitCurves result{{curve.levels.begin(), curve.levels.end()}, {}, {}, {}};
-  for (const Cell& cell : curve.cells) {
-    std::vector<double> seeds(cell.rows, 0.0), episodes(cell.lanes, 0.0);
-    for (std::size_t seed = 0; seed < cell.rows; ++seed) {
-      for (std::size_t episode = 0; episode < cell.lanes; ++episode) {
-        const double score = std::isfinite(cell.at(seed, episode)) ? cell.at(seed, episode) : 0.0;
-        seeds[seed] += score / static_cast<double>(cell.lanes);
-        episodes[episode] += score / static_cast<double>(cell.rows);
-      }
-    }
-    result.means.push_back(mean(seeds));
-    result.seeds.push_back(std::move(seeds));
-    result.episodes.push_back(std::move(episodes));
-  }
+  for (const Cell& cell : curve.cells) add_cell(cell, result);
+  return result;
+}
+
+/// The same behind the undisturbed scores, which belong to no level.
+UnitCurves unit_curves(const MarginCells& margin) {
+  UnitCurves result{{margin.curve.levels.begin(), margin.curve.levels.end()}, {}, {}, {}};
+  add_cell(margin.undisturbed, result);
+  for (const Cell& cell : margin.curve.cells) add_cell(cell, result);
   return result;
 }
 
@@ -212,43 +222,33 @@ void add_scores(const UnitCurves& a, const UnitCurves& b, std::span<const Source
   result.over = difference(over, sources);
 }
 
-/// The logarithm of a ratio of margins, as far as it is known: margins beyond the levels are bounds.
-struct LogRatio {
-  double low, high;
-};
-
-LogRatio log_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rule, std::span<const double> scores_a,
-                   std::span<const double> scores_b) {
-  const auto bounds = [&](const UnitCurves& curve, std::span<const double> scores) -> std::pair<double, double> {
-    double level = crossing(curve.levels, scores, rule);
-    if (std::isnan(level)) level = 0.0;  // nothing to lose: fails undisturbed in this resample
-    return std::isinf(level) ? std::pair(curve.levels.back(), kInfinity) : std::pair(level, level);
+/// The logarithm of a ratio of margins, as far as it is known. The scores begin with the undisturbed one. In a resample
+/// that fails undisturbed there is nothing to lose: its margin is 0.
+Bounds log_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rule, std::span<const double> scores_a,
+                 std::span<const double> scores_b) {
+  const auto margin = [&](const UnitCurves& curve, std::span<const double> scores) {
+    const Bounds level = crossing(curve.levels, scores.subspan(1), scores.front(), rule);
+    return std::isnan(level.low) ? Bounds(0.0) : level;
   };
-  const auto [low_a, high_a] = bounds(a, scores_a);
-  const auto [low_b, high_b] = bounds(b, scores_b);
-  return {std::log(low_a / high_b), std::log(high_a / low_b)};
+  const Bounds of_a = margin(a, scores_a), of_b = margin(b, scores_b);
+  return {std::log(of_a.low / of_b.high), std::log(of_a.high / of_b.low)};
 }
 
 /// A change of an end, also where it stays infinite.
 double change(double value, double estimate) { return value == estimate ? 0.0 : value - estimate; }
 
-void add_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rule, std::span<const Source> sources,
-               Comparison& result) {
-  if (a.levels.size() < 2 || b.levels.size() < 2) return;
-  const LogRatio estimate = log_ratio(a, b, rule, a.means, b.means);
-  if (std::isnan(estimate.low) || std::isnan(estimate.high) || !(a.means[0] > 0.0) || !(b.means[0] > 0.0)) return;
-  Interval& ratio = result.ratio;
-  ratio = {.estimate = std::exp(estimate.low), .unit = result.over.interval.unit, .n = result.over.interval.n};
-  if (estimate.low < estimate.high) ratio.most = std::exp(estimate.high);
-  if (sources.empty()) return;
+/// The ratio of each resample at both of its ends; what the sources change adds up.
+void bound_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rule, std::span<const Source> sources,
+                 Interval& ratio) {
+  const Bounds estimate = log_ratio(a, b, rule, a.means, b.means);
   std::vector<double> low(kResamples, estimate.low), high(kResamples, estimate.high);
-  std::vector<double> scores_a(a.levels.size()), scores_b(b.levels.size());
+  std::vector<double> scores_a(a.means.size()), scores_b(b.means.size());
   for (const Source& source : sources) {
     const double factor = stretch(source.n);
     for (std::size_t k = 0; k < kResamples; ++k) {
       for (std::size_t i = 0; i < scores_a.size(); ++i) scores_a[i] = source.a[i][k];
       for (std::size_t i = 0; i < scores_b.size(); ++i) scores_b[i] = source.b[i][k];
-      const LogRatio drawn = log_ratio(a, b, rule, scores_a, scores_b);
+      const Bounds drawn = log_ratio(a, b, rule, scores_a, scores_b);
       low[k] += factor * change(drawn.low, estimate.low);
       high[k] += factor * change(drawn.high, estimate.high);
     }
@@ -313,15 +313,32 @@ Standing standing(const Interval& difference) {
   return difference.high < 0.0 ? Standing::behind : Standing::undecided;
 }
 
-Comparison compare(const Curve& a, const Curve& b, const MarginRule& rule, const Rng& rng) {
+Comparison compare(const Curve& a, const Curve& b, const Rng& rng) {
   GUST_CHECK(!a.cells.empty() && !b.cells.empty() && a.cells.front().lanes == b.cells.front().lanes);
   const UnitCurves curve_a = unit_curves(a), curve_b = unit_curves(b);
   const std::vector<Source> sources = sources_of(curve_a, curve_b, rng);
   Comparison result;
   add_scores(curve_a, curve_b, sources, result);
-  add_ratio(curve_a, curve_b, rule, sources, result);
   add_improvement(curve_a, curve_b, rng, result);
   return result;
+}
+
+Interval margin_ratio(const MarginCells& a, const MarginCells& b, const MarginRule& rule, const Rng& rng) {
+  GUST_CHECK(!a.curve.cells.empty() && !b.curve.cells.empty() && a.undisturbed.lanes == b.undisturbed.lanes);
+  const UnitCurves curve_a = unit_curves(a), curve_b = unit_curves(b);
+  const Bounds estimate = log_ratio(curve_a, curve_b, rule, curve_a.means, curve_b.means);
+  const bool any = !std::isnan(estimate.low) && !std::isnan(estimate.high);
+  if (!any || !(curve_a.means.front() > 0.0) || !(curve_b.means.front() > 0.0)) return {};
+  Interval ratio{.estimate = std::exp(estimate.low)};
+  if (!estimate.exact()) ratio.most = std::exp(estimate.high);
+  const std::vector<Source> sources = sources_of(curve_a, curve_b, rng);
+  if (sources.empty()) return ratio;
+  for (const Source& source : sources) {
+    if (ratio.n == 0 || source.n < ratio.n) ratio.n = source.n;
+    ratio.unit = std::max(ratio.unit, source.unit);
+  }
+  bound_ratio(curve_a, curve_b, rule, sources, ratio);
+  return ratio;
 }
 
 }  // namespace gust

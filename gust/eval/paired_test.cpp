@@ -42,7 +42,7 @@ PairedDifference simulated(double apart, const Spread& spread, const Policies& p
   const auto a = scores(0.5 + apart, spread, policies.seeds_a, policies.episodes, rng.split("luck"), rng.split("a"));
   const auto b = scores(0.5, spread, policies.seeds_b, policies.episodes, rng.split("luck"), rng.split("b"));
   const std::array cell_a = {cell_of(a, policies.seeds_a)}, cell_b = {cell_of(b, policies.seeds_b)};
-  return compare({levels, cell_a}, {levels, cell_b}, {}, rng.split("draws")).scores.front();
+  return compare({levels, cell_a}, {levels, cell_b}, rng.split("draws")).scores.front();
 }
 
 constexpr std::size_t kStudies = 300;
@@ -111,7 +111,7 @@ TEST_CASE("a constant difference has no width, however different the episodes ar
   for (const double value : b) a.push_back(value + 0.5);
   const std::array cell_a = {cell_of(a, 1)}, cell_b = {cell_of(b, 1)};
 
-  const PairedDifference found = compare({levels, cell_a}, {levels, cell_b}, {}, Rng(4)).scores.front();
+  const PairedDifference found = compare({levels, cell_a}, {levels, cell_b}, Rng(4)).scores.front();
 
   CHECK(found.interval.estimate == 0.5);
   CHECK(found.interval.low == 0.5);
@@ -144,29 +144,87 @@ TEST_CASE("with as many episodes or seeds as it says about half of all studies a
   check({.seeds = 0.2, .luck = 1.0, .own_luck = 0.01}, {10, 1, 10}, [](Policies& p, std::size_t n) { p.seeds_a = n; });
 }
 
-TEST_CASE("the ratio of margins is known where levels end, as far as it can be") {
+TEST_CASE("the ratio of margins is known where levels end or begin, as far as it can be") {
   const Falling strong({0, 1, 2, 4, 8}, {40, 42, 38, 40}), weak({0, 0.5, 1, 2, 4, 6}, {10, 10.5, 9.5, 10});
-  const Falling beyond({0, 1}, {40, 42, 38, 40});
+  const Falling beyond({0, 1}, {40, 42, 38, 40}), late({2, 4, 6}, {10, 10.5, 9.5, 10});
+  const std::vector<double> whole(4, 1.0);
+  const auto ratio = [&](const Falling& a, const Falling& b, const MarginRule& rule) {
+    return margin_ratio({a.curve(), cell_of(whole, 1)}, {b.curve(), cell_of(whole, 1)}, rule, Rng(1));
+  };
 
-  const Comparison found = compare(strong.curve(), weak.curve(), {}, Rng(1));
-  const Comparison open = compare(beyond.curve(), weak.curve(), {.fraction = 0.95}, Rng(1));
-  const Comparison closed = compare(weak.curve(), beyond.curve(), {.fraction = 0.95}, Rng(1));
-  const Comparison both = compare(beyond.curve(), beyond.curve(), {}, Rng(1));
+  const Comparison found = compare(strong.curve(), weak.curve(), Rng(1));
+  const Interval exact = ratio(strong, weak, {});
+  const Interval open = ratio(beyond, weak, {.fraction = 0.95}), closed = ratio(weak, beyond, {.fraction = 0.95});
+  const Interval both = ratio(beyond, beyond, {}), before = ratio(late, weak, {});
 
   CHECK(found.levels == std::vector<double>{0, 1, 2, 4});
   CHECK(found.over.interval.estimate == doctest::Approx(4.0 / 2 * (1 / 9.98 - 1 / 39.95)).epsilon(0.01));
-  CHECK(found.ratio.estimate == doctest::Approx(4.0).epsilon(0.002));  // 4 against 1, harmonic means of the ends
-  CHECK(found.ratio.low > 3.5);
-  CHECK(found.ratio.high < 4.5);
-  CHECK(open.ratio.estimate == doctest::Approx(2.0).epsilon(0.01));  // at least 1 against 0.5
-  CHECK(std::isinf(open.ratio.most));
-  CHECK(open.ratio.low > 1.5);
-  CHECK(std::isinf(open.ratio.high));
-  CHECK(closed.ratio.low == 0.0);
-  CHECK(closed.ratio.high < 0.6);
-  CHECK(closed.ratio.most == doctest::Approx(0.5).epsilon(0.01));
-  CHECK(both.ratio.low == 0.0);
-  CHECK(std::isinf(both.ratio.high));
+  CHECK(std::isnan(found.ratio.estimate));
+  CHECK(exact.estimate == doctest::Approx(4.0).epsilon(0.002));  // 4 against 1, harmonic means of the ends
+  CHECK(exact.low > 3.5);
+  CHECK(exact.high < 4.5);
+  CHECK(exact.unit == Unit::episodes);
+  CHECK(exact.n == 4);
+  CHECK(open.estimate == doctest::Approx(2.0).epsilon(0.01));  // at least 1 against 0.5
+  CHECK(std::isinf(open.most));
+  CHECK(open.low > 1.5);
+  CHECK(std::isinf(open.high));
+  CHECK(closed.low == 0.0);
+  CHECK(closed.high < 0.6);
+  CHECK(closed.most == doctest::Approx(0.5).epsilon(0.01));
+  CHECK(both.low == 0.0);
+  CHECK(std::isinf(both.high));
+  CHECK(before.estimate == 0.0);  // the first level, 2, has lost a fifth
+  CHECK(before.most == doctest::Approx(2.0).epsilon(0.01));
+}
+
+TEST_CASE("a ratio of margins falls from the undisturbed scores, not from the first ones of the curve") {
+  const Falling worn({0, 1, 2, 4, 8}, {40, 42, 38, 40});
+  const std::vector<double> whole(4, 1.0), more(4, 1.05);
+  const MarginCells from_one{worn.curve(), cell_of(whole, 1)}, from_more{worn.curve(), cell_of(more, 1)};
+
+  const Interval found = margin_ratio(from_more, from_one, {}, Rng(1));
+
+  CHECK(found.estimate == doctest::Approx((1 - 0.9 * 1.05) / (1 - 0.9)).epsilon(1e-9));  // of one straight line
+  CHECK(std::isnan(margin_ratio({worn.curve(), cell_of(std::vector(4, 2.0), 1)},
+                                {worn.curve(), cell_of(std::vector(4, 2.0), 1)}, {}, Rng(1))
+                       .estimate));  // 0 / 0
+}
+
+/// How often the interval of a ratio that is 1 holds 1, of policies whose seeds fall one by one or all alike.
+double ratio_coverage(std::size_t seeds, bool steps) {
+  std::vector<double> levels = {0};
+  for (double level = 0.02; level < 4; level *= 1.02) levels.push_back(level);
+  std::size_t covered = 0;
+  const auto make = [&](const Rng& rng, std::vector<std::vector<double>>& values) {
+    for (const double level : levels) {
+      std::vector<double>& row = values.emplace_back();
+      for (std::size_t s = 0; s < seeds; ++s) {
+        const double falls = std::exp(0.4 * rng.normal(s));
+        row.push_back(steps ? (level < falls ? 1.0 : 0.0) : std::max(0.0, 1.0 - 0.2 * level / falls));
+      }
+    }
+    std::vector<Cell> cells;
+    for (const auto& row : values) cells.push_back(cell_of(row, seeds));
+    return cells;
+  };
+  for (std::size_t study = 0; study < kStudies; ++study) {
+    std::vector<std::vector<double>> values_a, values_b;
+    const std::vector<Cell> a = make(Rng(study).split("a"), values_a), b = make(Rng(study).split("b"), values_b);
+    const Interval found = margin_ratio({{levels, a}, a.front()}, {{levels, b}, b.front()}, {}, Rng(study).split("c"));
+    covered += found.low <= 1 && 1 <= found.high ? 1 : 0;
+  }
+  return static_cast<double>(covered) / kStudies;
+}
+
+TEST_CASE("the interval of a ratio of margins covers the truth, also of seeds that fall one by one") {
+  for (const std::size_t seeds : {5, 10, 30}) {
+    for (const bool steps : {false, true}) {
+      const double share = ratio_coverage(seeds, steps);
+      MESSAGE(seeds, " seeds, ", steps ? "steps: " : "lines: ", share);
+      CHECK(share > 0.93);
+    }
+  }
 }
 
 TEST_CASE(
@@ -176,18 +234,18 @@ TEST_CASE(
   const std::array a_alone = {cell_of(a, 1)}, b_alone = {cell_of(b, 1)}, a_seeds = {cell_of(a, 4)},
                    b_seeds = {cell_of(b, 2)};
 
-  const Interval alone = compare({levels, a_alone}, {levels, b_alone}, {}, Rng(1)).improvement;
-  const Interval same = compare({levels, a_alone}, {levels, a_alone}, {}, Rng(1)).improvement;
+  const Interval alone = compare({levels, a_alone}, {levels, b_alone}, Rng(1)).improvement;
+  const Interval same = compare({levels, a_alone}, {levels, a_alone}, Rng(1)).improvement;
 
   CHECK(alone.estimate == 1.0);  // in each episode, though values overlap
   CHECK(alone.low == doctest::Approx(8 / (8 + 1.959964 * 1.959964)).epsilon(1e-6));
   CHECK(alone.unit == Unit::episodes);
   CHECK(same.estimate == 0.5);
-  CHECK_THROWS_AS(compare({levels, a_seeds}, {levels, b_seeds}, {}, Rng(1)), Bug);  // other episodes
+  CHECK_THROWS_AS(compare({levels, a_seeds}, {levels, b_seeds}, Rng(1)), Bug);  // other episodes
 
   const std::vector<double> five = {0, 1, 2, 3, 4}, two = {1.5, 3};
   const std::array x = {cell_of(five, 5)}, y = {cell_of(two, 2)};
-  const Interval seeds = compare({levels, x}, {levels, y}, {}, Rng(1)).improvement;
+  const Interval seeds = compare({levels, x}, {levels, y}, Rng(1)).improvement;
   CHECK(seeds.estimate == probability_of_improvement(five, two));
   CHECK(seeds.unit == Unit::seeds);
   CHECK(seeds.n == 2);
@@ -198,7 +256,7 @@ TEST_CASE("one value each gives no interval, and what is not finite counts as 0"
   const std::vector<double> one = {std::nan("")}, other = {0.5};
   const std::array a = {cell_of(one, 1)}, b = {cell_of(other, 1)};
 
-  const Comparison found = compare({levels, a}, {levels, b}, {}, Rng(1));
+  const Comparison found = compare({levels, a}, {levels, b}, Rng(1));
 
   CHECK(found.scores[0].interval.estimate == -0.5);
   CHECK(std::isnan(found.scores[0].interval.low));

@@ -162,7 +162,7 @@ TEST_CASE("intervals of differences are those of SciPy's t tests: paired episode
     const auto b = cell_values(row.at("b"));
     const std::array<Cell, 1> cell_a = {a.view()}, cell_b = {b.view()};
 
-    const PairedDifference ours = compare({levels, cell_a}, {levels, cell_b}, {}, Rng(4)).scores.front();
+    const PairedDifference ours = compare({levels, cell_a}, {levels, cell_b}, Rng(4)).scores.front();
 
     const double low = row.at("low"), high = row.at("high");
     const double tolerance = 0.1 * (high - low);  // 2000 resamples; and seeds have Satterthwaite's degrees of freedom

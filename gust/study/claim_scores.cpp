@@ -41,21 +41,6 @@ FormulaList listed(const std::vector<double>& axis, std::span<const Sampled> val
   return list;
 }
 
-/// A column of curve.csv by its name.
-double CurvePoint::*curve_column(const std::string& name) {
-  const std::pair<const char*, double CurvePoint::*> columns[] = {{"anr_h", &CurvePoint::anr_h},
-                                                                  {"anr", &CurvePoint::anr},
-                                                                  {"rmse_scg", &CurvePoint::rmse_scg},
-                                                                  {"return_mean", &CurvePoint::return_mean},
-                                                                  {"length_mean", &CurvePoint::length_mean}};
-  std::vector<std::string> known;
-  for (const auto& [known_name, column] : columns) {
-    if (name == known_name) return column;
-    known.emplace_back(known_name);
-  }
-  throw Error(cat("a learning curve has no '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
-}
-
 /// What policies have in common whose seeds are the same trainings: a longer one goes on where a shorter one ends, and
 /// a risk level is chosen when the policy acts.
 std::string seeds_key(const Study& study, const StudyPolicy& policy) {
@@ -66,17 +51,6 @@ std::string seeds_key(const Study& study, const StudyPolicy& policy) {
   for (const Injection& injection : policy.disturbed)
     key += cat("; ", injection.canonical(), " ", canonical_text(injection.level));
   return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()));
-}
-
-/// Of a policy's trials those of some members, in their order.
-void keep_in_order(const std::vector<std::size_t>& members, const Plan& plan, std::vector<std::size_t>& trials) {
-  std::vector<std::size_t> kept;
-  for (const std::size_t member : members) {
-    const auto at =
-        std::ranges::find_if(trials, [&](std::size_t trial) { return plan.trials[trial].member == member; });
-    if (at != trials.end()) kept.push_back(*at);
-  }
-  trials = std::move(kept);
 }
 
 /// The seeds of a policy whose trainings did not end without one.
@@ -90,14 +64,9 @@ std::set<std::int64_t> seeds_left(const ClaimSource& source, const StudyPolicy& 
   return seeds;
 }
 
-void check_count(std::string_view function, const std::vector<FormulaValue>& arguments, std::size_t most) {
-  if (arguments.empty() || arguments.size() > most)
-    throw Error(cat("'", function, "' takes 1 to ", most, " arguments, got ", arguments.size()));
-}
-
 }  // namespace
 
-std::function<double(std::span<const double>)> ClaimScores::over_units(const Place& place) const {
+ClaimScores::Statistics ClaimScores::over_units(const Place& place) const {
   const bool trained = place.source->study->policies[place.policy].kind == StudyPolicy::Kind::kTrain;
   if (!trained || view_.over_seeds == Statistic::mean) return mean;
   return [statistic = view_.over_seeds](std::span<const double> units) { return aggregate(statistic, units); };
@@ -108,8 +77,7 @@ bool ClaimScores::draws_one(const Place& place) const {
 }
 
 /// A single unit has no resamples that would say anything: they are not numbers.
-template <class Statistic>
-Sampled ClaimScores::sampled(const Place& place, std::span<const double> units, Statistic statistic) const {
+Sampled ClaimScores::sampled(const Place& place, std::span<const double> units, const Statistics& statistic) const {
   const Study& study = *place.source->study;
   Sampled result{std::vector<double>(1 + kResamples, std::numeric_limits<double>::quiet_NaN())};
   result.n = units.size();
@@ -135,6 +103,11 @@ Sampled ClaimScores::sampled(const Place& place, std::span<const double> units, 
     }
   });
   return result;
+}
+
+void ClaimScores::check_count(std::string_view function, const Arguments& arguments, std::size_t most) {
+  if (arguments.empty() || arguments.size() > most)
+    throw Error(cat("'", function, "' takes 1 to ", most, " arguments, got ", arguments.size()));
 }
 
 ClaimScores::ClaimScores(std::vector<ClaimSource> sources, ClaimView view, Rng rng)
@@ -199,6 +172,17 @@ const Sweep& ClaimScores::sweep_of(const FormulaValue& name) const {
   throw Error(cat("unknown sweep '", text, "'", did_you_mean(text, sweeps)));
 }
 
+void ClaimScores::keep_in_order(const Place& place, std::vector<std::size_t>& trials) const {
+  const Plan& plan = *place.source->plan;
+  std::vector<std::size_t> kept;
+  for (const std::size_t member : members(place)) {
+    const auto at =
+        std::ranges::find_if(trials, [&](std::size_t trial) { return plan.trials[trial].member == member; });
+    if (at != trials.end()) kept.push_back(*at);
+  }
+  trials = std::move(kept);
+}
+
 const std::vector<std::size_t>& ClaimScores::members(const Place& place) const {
   const auto [known, is_new] = members_.try_emplace(cat(place.source - sources_.data(), "/", place.policy));
   if (is_new) known->second = find_members(place);
@@ -243,7 +227,11 @@ FormulaValue ClaimScores::score(const std::string& metric, const Arguments& argu
   if (axes.size() == 1) {
     if (arguments.size() == 3) throw Error("a curve has one axis; its value at a level is at(score(…), level)");
     FormulaList curve = listed(levels_of(sweep, 0), all);
-    add_levels(place, metric, curve);
+    if (sweep.along_levels()) {
+      curve.undisturbed = undisturbed(place, metric);
+      curve.no_margin = margin_obstacle(place);
+      add_levels(place, metric, curve);
+    }
     return {std::move(curve)};
   }
   if (arguments.size() < 3) return {listed({}, all)};
@@ -268,27 +256,32 @@ FormulaValue ClaimScores::values(const Arguments& arguments) const {
   return {listed(levels, constants)};
 }
 
-FormulaValue ClaimScores::curve(std::string_view function, const Arguments& arguments) const {
-  check_count(function, arguments, 2);
-  const auto column = curve_column(arguments.size() == 2 ? arguments[1].as_text(cat("'", function, "'")) : "anr_h");
-  const Place place = find({arguments[0]}, function);
-  count_seeds(place);
-  const std::vector<std::vector<CurvePoint>> seeds = curves(place);
-  FormulaList list;
-  for (std::size_t i = 0; i < seeds.front().size(); ++i) {
-    std::vector<double> units;
-    for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].*column);
-    const CurvePoint& point = seeds.front()[i];
-    list.axis.push_back(static_cast<double>(function == "own_curve" ? point.protagonist_steps : point.steps));
-    list.items.push_back({sampled(place, units, function == "curve_spread" ? sample_deviation : over_units(place))});
-  }
-  return {std::move(list)};
-}
-
 const std::vector<Sampled>& ClaimScores::cells(const Place& place, const std::string& metric) const {
   const std::string key = cat(place.source - sources_.data(), "/", place.policy, "/", place.sweep, "/", metric);
   const auto known = known_.find(key);
   return known != known_.end() ? known->second : known_.emplace(key, read_cells(place, metric)).first->second;
+}
+
+Sampled ClaimScores::undisturbed(const Place& place, const std::string& metric) const {
+  const Study& study = *place.source->study;
+  const Sampled& score = cells({place.source, place.policy, Trial::kNominal}, metric).front();
+  const bool one_episode = place.source->store != nullptr && score.n < 2 &&
+                           episodes_repeat(study, Trial::kNominal, index_of(study.starts, view_.start));
+  return one_episode ? Sampled::constant(score.estimate()) : score;
+}
+
+std::string ClaimScores::margin_obstacle(const Place& place) const {
+  const Study& study = *place.source->study;
+  if (place.source->store == nullptr) return "";
+  std::vector<std::string> missing;
+  for (TrialGroup group : trial_groups(*place.source->plan)) {
+    if (group.policy != place.policy || group.sweep != Trial::kNominal) continue;
+    keep_in_order(place, group.trials);
+    MemberRows rows(*place.source->plan, group, *place.source->store, missing);
+    const std::size_t start = index_of(study.starts, view_.start);
+    if (rows.members() > 0 && rows.next()) return gust::margin_obstacle(study, place.sweep, rows, start);
+  }
+  return "";
 }
 
 void ClaimScores::add_levels(const Place& place, const std::string& metric, FormulaList& curve) const {
@@ -327,7 +320,7 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   std::vector<Sampled> cells;
   for (TrialGroup group : trial_groups(*place.source->plan)) {
     if (group.policy != place.policy || group.sweep != place.sweep) continue;
-    keep_in_order(members(place), *place.source->plan, group.trials);
+    keep_in_order(place, group.trials);
     MemberRows rows(*place.source->plan, group, *place.source->store, missing);
     if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
     if (!rows.has(metric)) throw NotTestable(cat("not measured: ", metric, " of ", study.policies[place.policy].name));
@@ -346,36 +339,6 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
   return cells;
-}
-
-std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) const {
-  const StudyPolicy& policy = place.source->study->policies[place.policy];
-  if (policy.kind != StudyPolicy::Kind::kTrain)
-    throw Error(cat("policy '", policy.name, "' is not trained: it has no learning curve"));
-  std::vector<std::vector<CurvePoint>> curves;
-  if (place.source->store == nullptr) {
-    constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
-    curves.push_back({{.steps = 0, .anr_h = 1}, {.steps = kFar, .anr_h = 1, .protagonist_steps = kFar}});
-    return curves;
-  }
-  const Plan& plan = *place.source->plan;
-  std::vector<std::size_t> trials;
-  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
-    if (plan.trials[i].kind == Trial::Kind::kTrain && plan.trials[i].policy == place.policy) trials.push_back(i);
-  }
-  keep_in_order(members(place), plan, trials);
-  for (const std::size_t index : trials) {
-    const Trial& trial = plan.trials[index];
-    const std::optional<StoredTrial> stored = place.source->store->load(kind_name(trial.kind), trial.id);
-    if (!stored) throw NotTestable(cat("not measured: ", trial.what));
-    curves.push_back(read_curve(stored->read(kCurveFile), trial.id));
-  }
-  GUST_CHECK(!curves.empty());
-  std::size_t shortest = curves.front().size();
-  for (const auto& curve : curves) shortest = std::min(shortest, curve.size());
-  for (auto& curve : curves) curve.resize(shortest);
-  if (shortest == 0) throw NotTestable(cat("a training of '", policy.name, "' ended before its first point"));
-  return curves;
 }
 
 }  // namespace gust

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -63,7 +64,9 @@ class ClaimScores final : public FormulaData {
     std::size_t sweep = Trial::kNominal;
   };
   using Arguments = std::vector<FormulaValue>;
+  using Statistics = std::function<double(std::span<const double>)>;
 
+  static void check_count(std::string_view function, const Arguments& arguments, std::size_t most);
   Place find(const Arguments& arguments, std::string_view function) const;
   const Sweep& sweep_of(const FormulaValue& name) const;
   FormulaValue score(const std::string& metric, const Arguments& arguments) const;
@@ -74,17 +77,22 @@ class ClaimScores final : public FormulaData {
   std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;
   /// Gives a curve the values at the levels that its margin's trial looked at, if that is in the store.
   void add_levels(const Place& place, const std::string& metric, FormulaList& curve) const;
+  /// The undisturbed score of a policy; a constant where all episodes of one policy are the same one.
+  Sampled undisturbed(const Place& place, const std::string& metric) const;
+  /// Why a policy has no margin along a sweep, from its undisturbed rows; empty if it may have one.
+  std::string margin_obstacle(const Place& place) const;
   /// The learning curves of a policy's seeds, all as long as the shortest.
   std::vector<std::vector<CurvePoint>> curves(const Place& place) const;
   /// The members of a policy that count, in the order of their seeds.
   const std::vector<std::size_t>& members(const Place& place) const;
   std::vector<std::size_t> find_members(const Place& place) const;
+  /// Of the trials of a policy those of its members that count, in their order.
+  void keep_in_order(const Place& place, std::vector<std::size_t>& trials) const;
   void count_seeds(const Place& place) const;
   /// What makes one number of a policy's units.
-  std::function<double(std::span<const double>)> over_units(const Place& place) const;
+  Statistics over_units(const Place& place) const;
   /// The statistic of the units of a policy, and of its resamples.
-  template <class Statistic>
-  Sampled sampled(const Place& place, std::span<const double> units, Statistic statistic) const;
+  Sampled sampled(const Place& place, std::span<const double> units, const Statistics& statistic) const;
   bool draws_one(const Place& place) const;
 
   std::vector<ClaimSource> sources_;

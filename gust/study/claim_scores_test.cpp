@@ -165,6 +165,29 @@ TEST_CASE("a grid is read row by row") {
                     doctest::Contains("has no pole_length of 0.6"));
 }
 
+TEST_CASE("margin() is the summary's margin: from the undisturbed score, and not testable where there is none") {
+  std::string sweeps;
+  for (const auto& [name, wind] : {std::pair("worn", 0.2), std::pair("spent", 2.0)})
+    sweeps +=
+        cat("[[sweep]]\nname = \"", name, "\"\nsite = \"action\"\nwaveform = { kind = \"step\", offset = 2 }\n",
+            "levels = [0, 5, 30]\ndisturb = [{ site = \"dynamics\", waveform = \"white\", level = ", wind, " }]\n");
+  const RunStudy run("gust-claims-margin", sweeps + formula("margin(score('nothing', 'push')) > 1"));
+  const ClaimView view{"anr_h", "random"};
+
+  const auto told = [&](const std::string& what) { return run.value(what, view).as_number("test"); };
+  const auto shown = [&](std::size_t sweep) { return run.summary.find(0, sweep, 1)->margin.level.estimate; };
+
+  CHECK(told("margin(score('lqr', 'push'))").estimate() == doctest::Approx(shown(0)).epsilon(1e-12));
+  CHECK(told("margin(score('lqr', 'worn'))").estimate() == doctest::Approx(shown(2)).epsilon(1e-12));
+  CHECK(shown(2) < 0.7 * shown(0));
+  CHECK(told("margin(score('lqr', 'spent'))").estimate() == 0.0);
+  CHECK(told("half(score('lqr', 'spent'))").estimate() == 0.0);
+  CHECK(shown(3) == 0.0);
+  CHECK_THROWS_WITH_AS(run.value("margin(score('nothing', 'push'))", view),
+                       doctest::Contains("there is no margin: it fails undisturbed"), NotTestable);
+  CHECK(run.summary.claims.front().finding.verdict.ruling == Ruling::not_testable);
+}
+
 TEST_CASE("what is missing in the store makes a claim not testable") {
   const ScratchFolder folder("gust-claims-missing");
   Study study = small_study({}, changed(kClaim, formula("score('lqr') > 0.5")));

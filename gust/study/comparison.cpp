@@ -7,22 +7,29 @@
 #include <numeric>
 #include <thread>
 
+#include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
+#include "gust/study/trials.h"
 
 namespace gust {
 namespace {
 
 constexpr std::size_t kMostPolicies = 6;  // of which all pairs are shown
 
+/// A policy along a sweep from a start.
+struct SweepOf {
+  std::size_t policy, sweep, start;
+};
+
 /// The scores of one policy, cell after cell; empty where some are missing.
 std::vector<Matrix<double>> cells_of(const Study& study, const Plan& plan, const Store& store, const TrialGroup& group,
-                                     std::size_t start) {
+                                     const SweepOf& of) {
   std::vector<std::string> missing;
   MemberRows rows(plan, group, store, missing);
   const std::string& metric = study.metric_set.name(margin_metric(study));
   if (rows.members() == 0 || !rows.has(metric)) return {};
   std::vector<Matrix<double>> cells;
-  while (rows.next()) cells.push_back(rows.values(start, metric, episodes_repeat(study, group.sweep, start)));
+  while (rows.next()) cells.push_back(rows.values(of.start, metric, episodes_repeat(study, of.sweep, of.start)));
   return cells;
 }
 
@@ -40,18 +47,59 @@ struct OwnedCurve {
   std::vector<Cell> cells;
 
   Curve view() const { return {levels, cells}; }
+  void insert(double level, Matrix<double> scores) {
+    const auto at = std::ranges::lower_bound(levels, level) - levels.begin();
+    levels.insert(levels.begin() + at, level);
+    values.insert(values.begin() + at, std::move(scores));
+  }
+  /// To be called when all values are there.
+  void show() {
+    for (const Matrix<double>& cell : std::as_const(values)) cells.push_back(cell.view());
+  }
 };
 
-OwnedCurve curve_of(const Study& study, const Plan& plan, const Store& store, std::size_t policy, std::size_t sweep,
-                    std::size_t start) {
+OwnedCurve curve_of(const Study& study, const Plan& plan, const Store& store, const SweepOf& of) {
   OwnedCurve curve;
   for (const TrialGroup& group : trial_groups(plan)) {
-    if (group.policy == policy && group.sweep == sweep) curve.values = cells_of(study, plan, store, group, start);
+    if (group.policy == of.policy && group.sweep == of.sweep) curve.values = cells_of(study, plan, store, group, of);
   }
-  curve.levels = places_of(study, sweep, curve.values.size());
+  curve.levels = places_of(study, of.sweep, curve.values.size());
   if (curve.levels.size() != curve.values.size()) curve.values.clear();
-  for (const Matrix<double>& cell : curve.values) curve.cells.push_back(cell.view());
   return curve;
+}
+
+/// What a margin is told from: the curve with the levels that the margin asked for, and the undisturbed scores.
+struct OwnedMargin {
+  OwnedCurve curve;
+  Matrix<double> undisturbed;
+
+  MarginCells view() const { return {curve.view(), undisturbed.view()}; }
+};
+
+/// Nothing where there is no margin.
+std::optional<OwnedMargin> margin_of(const Study& study, const Plan& plan, const Store& store, const SweepOf& of,
+                                     OwnedCurve curve) {
+  for (const TrialGroup& group : trial_groups(plan)) {
+    if (group.policy != of.policy || group.sweep != Trial::kNominal) continue;
+    std::vector<std::string> missing;
+    MemberRows rows(plan, group, store, missing);
+    if (rows.members() != curve.values.front().rows() || !rows.next()) return std::nullopt;
+    if (!margin_obstacle(study, of.sweep, rows, of.start).empty()) return std::nullopt;
+    const std::string& metric = study.metric_set.name(margin_metric(study));
+    const bool repeats = episodes_repeat(study, of.sweep, of.start);
+    for (const Trial& trial : plan.trials) {
+      if (trial.kind != Trial::Kind::kMargin || trial.policy != of.policy || trial.sweep != of.sweep) continue;
+      const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+      if (!stored || trial.inputs.size() != 2 * rows.members()) continue;
+      for_each_margin_level(*stored, [&](double level, const MemberRows& added) {
+        if (added.has(metric)) curve.insert(level, added.values(of.start, metric, repeats));
+      });
+    }
+    OwnedMargin margin{std::move(curve), rows.values(of.start, metric, repeats)};
+    margin.curve.show();
+    return margin;
+  }
+  return std::nullopt;
 }
 
 /// Seeds of a policy that has some: trainings, or several files.
@@ -62,15 +110,21 @@ std::size_t seeds_of(const Study& study, std::size_t policy, const OwnedCurve& c
 
 std::optional<SweepComparison> compare_along(const Study& study, const Plan& plan, const Store& store,
                                              const PolicyPair& pair, std::size_t sweep) {
-  const OwnedCurve a = curve_of(study, plan, store, pair.a, sweep, pair.start);
-  const OwnedCurve b = curve_of(study, plan, store, pair.b, sweep, pair.start);
-  if (a.cells.empty() || b.cells.empty()) return std::nullopt;
+  const SweepOf of_a{pair.a, sweep, pair.start}, of_b{pair.b, sweep, pair.start};
+  OwnedCurve a = curve_of(study, plan, store, of_a), b = curve_of(study, plan, store, of_b);
+  if (a.values.empty() || b.values.empty()) return std::nullopt;
+  a.show();
+  b.show();
   const std::size_t seeds_a = seeds_of(study, pair.a, a), seeds_b = seeds_of(study, pair.b, b);
   const Rng rng = Rng(static_cast<std::uint64_t>(study.seed)).split("compare");
-  SweepComparison result{pair, sweep, compare(a.view(), b.view(), {}, rng)};
+  SweepComparison result{pair, sweep, compare(a.view(), b.view(), rng)};
   result.seeds = seeds_a == 0 || seeds_b == 0 ? std::max(seeds_a, seeds_b) : std::min(seeds_a, seeds_b);
-  const bool along_levels = sweep != Trial::kNominal && study.sweeps[sweep].along_levels();
-  if (!along_levels) result.found.ratio = {};
+  if (sweep == Trial::kNominal || !study.sweeps[sweep].along_levels() || a.levels.size() < 2) return result;
+  a.cells.clear();
+  b.cells.clear();
+  const auto margin_a = margin_of(study, plan, store, of_a, std::move(a));
+  const auto margin_b = margin_of(study, plan, store, of_b, std::move(b));
+  if (margin_a && margin_b) result.found.ratio = margin_ratio(margin_a->view(), margin_b->view(), {}, rng);
   return result;
 }
 

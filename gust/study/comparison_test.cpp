@@ -49,6 +49,21 @@ TEST_CASE("two policies are compared undisturbed and along every sweep, with the
   CHECK(found[0].seeds == 0);
 }
 
+TEST_CASE("the ratio of margins is that of the margins which the summary has") {
+  const std::string second = "[[policy]]\nname = \"calm\"\nkind = \"lqr\"\nr = [1]\n\n";
+  const ComparedStudy run(changed("[[sweep]]\nname = \"push\"", second + "[[sweep]]\nname = \"push\""));
+  const std::size_t random = compared_start(run.study);
+  const auto margin = [&](std::size_t policy) { return run.summary.find(policy, 0, random)->margin.level.estimate; };
+
+  const Interval ratio = compare_policies(run.study, run.plan, run.store, {0, 2, random})[1].found.ratio;
+  const Interval none = compare_policies(run.study, run.plan, run.store, {0, 1, random})[1].found.ratio;
+
+  CHECK(ratio.estimate == doctest::Approx(margin(0) / margin(2)).epsilon(1e-12));
+  CHECK(ratio.low <= ratio.estimate);
+  CHECK(ratio.high >= ratio.estimate);
+  CHECK(std::isnan(none.estimate));  // the bare plant has no margin
+}
+
 TEST_CASE("fewer than five seeds do not decide which policy is better, and the comparison says so") {
   SweepComparison item{{0, 1, 0}, 0, {}, 2};
   const Interval clear{.estimate = 1, .low = 0.9, .high = 1.1};

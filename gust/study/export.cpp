@@ -10,6 +10,7 @@
 #include "gust/core/csv.h"
 #include "gust/core/text.h"
 #include "gust/study/files.h"
+#include "gust/study/margin_trial.h"
 #include "gust/study/rows.h"
 #include "gust/study/trials.h"
 
@@ -66,27 +67,49 @@ void set_levels(const Study& study, const Trial& trial, std::size_t cell, Export
   if (axes.size() == 2) row.level_2 = axes[1].values[cell % inner];
 }
 
-void export_trial(const Study& study, const Trial& trial, const StoredTrial& stored,
-                  const std::function<void(const ExportRow&)>& take) {
-  std::ifstream stream = stored.open(kRowsFile);
-  RowsReader rows(stream, trial.id);
-  const RowsHeader& header = rows.header();
-  ExportRow row = head_of(study, trial);
-  for (std::size_t cell = 0; cell < header.cells; ++cell) {
-    const std::span<const double> values = rows.next();
-    set_levels(study, trial, cell, row);
-    std::size_t i = 0;
-    for (const std::string& start : header.starts) {
-      row.start = start;
-      for (row.episode = 0; row.episode < static_cast<std::int64_t>(header.episodes); ++row.episode) {
-        for (const std::string& metric : header.metrics) {
-          row.metric = metric;
-          row.value = values[i++];
-          take(row);
-        }
+using TakeRow = std::function<void(const ExportRow&)>;
+
+/// One cell of one member; the row says which.
+void export_cell(const RowsHeader& header, std::span<const double> values, ExportRow& row, const TakeRow& take) {
+  std::size_t i = 0;
+  for (const std::string& start : header.starts) {
+    row.start = start;
+    for (row.episode = 0; row.episode < static_cast<std::int64_t>(header.episodes); ++row.episode) {
+      for (const std::string& metric : header.metrics) {
+        row.metric = metric;
+        row.value = values[i++];
+        take(row);
       }
     }
   }
+}
+
+void export_trial(const Study& study, const Trial& trial, const StoredTrial& stored, const TakeRow& take) {
+  std::ifstream stream = stored.open(kRowsFile);
+  RowsReader rows(stream, trial.id);
+  ExportRow row = head_of(study, trial);
+  for (std::size_t cell = 0; cell < rows.header().cells; ++cell) {
+    const std::span<const double> values = rows.next();
+    set_levels(study, trial, cell, row);
+    export_cell(rows.header(), values, row, take);
+  }
+}
+
+/// The levels that a margin asked for, of all its members; those that the sweep has itself stand there already.
+void export_margin(const Study& study, const Plan& plan, const Trial& trial, const StoredTrial& stored,
+                   const TakeRow& take) {
+  const std::vector<double>& own = study.sweeps[trial.sweep].axes.front().values;
+  std::vector<ExportRow> heads;
+  for (const std::size_t input : trial.inputs) {
+    if (plan.trials[input].sweep == trial.sweep) heads.push_back(head_of(study, plan.trials[input]));
+  }
+  for_each_margin_level(stored, [&](double level, const MemberRows& rows) {
+    if (std::ranges::find(own, level) != own.end()) return;
+    for (std::size_t member = 0; member < rows.members(); ++member) {
+      heads[member].level = level;
+      export_cell(rows.header(member), rows.cell(member), heads[member], take);
+    }
+  });
 }
 
 /// A file beside another one, which it can replace; SQLite writes by name, to nothing but regular files. It vanishes
@@ -173,16 +196,20 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
 }  // namespace
 
 std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& plan, const Store& store,
-                                             const std::function<void(const ExportRow&)>& take) {
+                                             const TakeRow& take) {
   std::vector<std::size_t> missing;
   bool any = false;
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
     const Trial& trial = plan.trials[i];
-    if (trial.kind != Trial::Kind::kEvaluate) continue;
+    if (trial.kind != Trial::Kind::kEvaluate && trial.kind != Trial::Kind::kMargin) continue;
     const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
-    any = any || stored;
-    if (stored) export_trial(study, trial, *stored, take);
-    if (!stored) missing.push_back(i);
+    any = any || (stored && trial.kind == Trial::Kind::kEvaluate);
+    if (!stored)
+      missing.push_back(i);
+    else if (trial.kind == Trial::Kind::kMargin)
+      export_margin(study, plan, trial, *stored, take);
+    else
+      export_trial(study, trial, *stored, take);
   }
   if (any) return missing;
   throw Error(cat("'", plan.trials[missing.front()].what, "' is not in the store; run the study first (gust run)"));
@@ -192,10 +219,9 @@ std::vector<std::size_t> export_csv(const Study& study, const Plan& plan, const 
   AtomicFile out(file);
   out.append(cat(kExportHead, "\n"));
   std::vector<std::size_t> missing = for_each_export_row(study, plan, store, [&](const ExportRow& row) {
-    out.append(
-        csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.sweep, row.site, row.channels,
-                  row.waveform, row.window, row.vary, cat(row.level), std::isnan(row.level_2) ? "" : cat(row.level_2),
-                  row.start, cat(row.episode), row.metric, cat(row.value)}));
+    out.append(csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.sweep, row.site, row.channels,
+                         row.waveform, row.window, row.vary, std::isnan(row.level_2) ? "" : cat(row.level_2),
+                         cat(row.level), row.start, cat(row.episode), row.metric, cat(row.value)}));
   });
   out.commit();
   return missing;
@@ -209,7 +235,7 @@ std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, con
     database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
     database.execute(
         "CREATE TABLE episodes (plant TEXT, preset TEXT, readings TEXT, policy TEXT, seed TEXT, sweep TEXT, "
-        "site TEXT, channels TEXT, waveform TEXT, \"window\" TEXT, vary TEXT, level REAL, level_2 REAL, start TEXT, "
+        "site TEXT, channels TEXT, waveform TEXT, \"window\" TEXT, vary TEXT, level_2 REAL, level REAL, start TEXT, "
         "episode INTEGER, metric TEXT, value REAL)");
     database.execute(
         "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, return_mean REAL, return_std REAL, "
@@ -220,7 +246,7 @@ std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, con
       for (const std::string* text : {&row.plant, &row.preset, &row.readings, &row.policy, &row.seed, &row.sweep,
                                       &row.site, &row.channels, &row.waveform, &row.window, &row.vary})
         database.bind(++column, *text);
-      for (const double level : {row.level, row.level_2}) database.bind(++column, level);  // NaN becomes NULL
+      for (const double level : {row.level_2, row.level}) database.bind(++column, level);  // NaN becomes NULL
       database.bind(++column, row.start);
       database.bind(++column, row.episode);
       database.bind(++column, row.metric);

@@ -25,11 +25,11 @@ struct ExportRow {
 };
 
 inline constexpr std::string_view kExportHead =
-    "plant,preset,readings,policy,seed,sweep,site,channels,waveform,window,vary,level,level_2,start,episode,metric,"
+    "plant,preset,readings,policy,seed,sweep,site,channels,waveform,window,vary,level_2,level,start,episode,metric,"
     "value";
 
-/// Hands over every row of every finished evaluation in plan order. A grid names both axes in `vary`, joined by "*".
-/// Returns the evaluations that the store lacks, by their places in the plan; an
+/// Hands over every row of every finished evaluation in plan order, and of the levels that margins asked for. A grid
+/// names both axes in `vary`, joined by "*". Returns the trials that the store lacks, by their places in the plan; an
 /// Error if it lacks them all.
 std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& plan, const Store& store,
                                              const std::function<void(const ExportRow&)>& take);

@@ -118,7 +118,7 @@ void MarginScores::take_undisturbed(MemberRows rows) {
   for (std::size_t start = 0; start < study_.starts.size(); ++start) {
     const bool same = episodes_repeat(study_, Trial::kNominal, start);
     curves_.emplace_back();
-    obstacles_.push_back(obstacle(rows, start));
+    obstacles_.push_back(margin_obstacle(study_, sweep_, rows, start));
     if (obstacles_.back().empty()) curves_.back().undisturbed = margin_scores(rows.values(start, score, same).view());
   }
 }
@@ -156,13 +156,13 @@ Margin MarginScores::margin(std::size_t start) const {
   return found;
 }
 
-std::string MarginScores::obstacle(const MemberRows& rows, std::size_t start) const {
-  if (study_.sweeps[sweep_].axes.front().values.front() < 0)
+std::string margin_obstacle(const Study& study, std::size_t sweep, const MemberRows& rows, std::size_t start) {
+  if (study.sweeps[sweep].axes.front().values.front() < 0)
     return "its levels lie on both sides of 0 or below it; sweep each side from 0 (the factors of 'channels' turn the "
            "sign)";
-  if (!rows.has(study_.metric_set.name(margin_metric(study_)))) return "not measured";
+  if (!rows.has(study.metric_set.name(margin_metric(study)))) return "not measured";
   if (!rows.has("survival")) return "";
-  const Matrix<double> survived = rows.values(start, "survival", episodes_repeat(study_, Trial::kNominal, start));
+  const Matrix<double> survived = rows.values(start, "survival", episodes_repeat(study, Trial::kNominal, start));
   const double share = mean(margin_scores(survived.view()));
   if (share >= 0.5) return "";
   return format("it fails undisturbed: {:.3g} % of the episodes last to the end", 100 * share);

@@ -27,15 +27,15 @@ class MarginScores {
   bool hopeless() const;
 
  private:
-  /// Why there is no margin from a start whatever the levels show, from its undisturbed rows; empty if there may be
-  /// one.
-  std::string obstacle(const MemberRows& undisturbed, std::size_t start) const;
-
   const Study& study_;
   std::size_t sweep_;
   std::vector<MarginCurve> curves_;
   std::vector<std::string> obstacles_;  ///< by start
 };
+
+/// Why there is no margin along a sweep from a start whatever its levels show, from the cell at hand of the undisturbed
+/// rows; empty if there may be one.
+std::string margin_obstacle(const Study& study, std::size_t sweep, const MemberRows& undisturbed, std::size_t start);
 
 /// Looks at more levels until no margin moves any more, from all starts at once, and stores the rows of all of them.
 Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,

@@ -37,7 +37,9 @@ class MemberRows {
   MemberRows(const StoredTrial& stored, const std::vector<std::string>& files);
 
   std::size_t members() const { return readers_.size(); }
-  const RowsHeader& header() const { return readers_.front().header(); }
+  const RowsHeader& header(std::size_t member = 0) const { return readers_[member].header(); }
+  /// All values of the cell at hand of one member, in the order of the header.
+  std::span<const double> cell(std::size_t member) const { return cells_[member]; }
 
   /// Reads the next cell of every member; false after the last.
   bool next();
