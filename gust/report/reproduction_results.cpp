@@ -113,7 +113,7 @@ std::string trained_text(const Study& study) {
 
 /// "+0.031 for raac", with a true minus sign.
 std::string signed_text(double value, const std::string& name) {
-  return cat(value < 0 ? "−" : "+", fmt::format("{:.3f}", std::abs(value)), " for ", name);
+  return cat(value < 0 ? "−" : "+", format("{:.3f}", std::abs(value)), " for ", name);
 }
 
 /// A policy's return over the horizon while it was trained.
@@ -155,7 +155,7 @@ std::string flatness_text(const Study& study, const Summary& summary) {
     const LateCurve late = late_curve(summary, p);
     const std::string& name = study.policies[p].name;
     if (std::abs(late.change) > kFlat) changes.push_back(signed_text(late.change, name));
-    if (late.peak - late.end > kLost) lost.push_back(fmt::format("{} {:.2f} after {:.2f}", name, late.end, late.peak));
+    if (late.peak - late.end > kLost) lost.push_back(format("{} {:.2f} after {:.2f}", name, late.end, late.peak));
   }
   const std::string others =
       fmt::format("by no more than {} for {}", kFlat, changes.empty() ? "any policy" : "the others");
