@@ -45,19 +45,32 @@ struct Verdict {
 /// interval of two seeds is [min, max], which covers half.
 inline constexpr std::size_t kSeedsForVerdict = 5;
 
-/// What a statement came to.
-struct Finding {
-  Interval measured;  ///< of what it measures (Formula::Judged)
-  Verdict verdict;
-  double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples in which it is surely true
-  std::size_t parts = 0;       ///< statements that must all be true (Truth); 0 where it could not be asked
-  std::size_t true_parts = 0;  ///< those that are, at the estimate
-  std::size_t seeds = 0;       ///< the fewest of any policy with seeds that was asked; 0 if none was
+/// What one of the statements that must all be true came to (TruthPart).
+struct PartFinding {
+  std::string statement, label;
+  Interval margin;  ///< by how much it is true; below 0 if it is not
+  Ruling ruling = Ruling::not_testable;
+  bool is_true = false;  ///< at the estimate
 };
 
-/// Holds if the statement is true throughout the interval of its margin, fails if nowhere, else it is undecided, and
+/// What a statement came to.
+struct Finding {
+  Interval measured;  ///< of what it measures (Formula::Judged), of several parts the margin of the one that decides
+  Interval margin;    ///< by how much the part that decides is true; below 0 if it is not
+  Verdict verdict;
+  double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples in which all of it is surely true
+  std::vector<PartFinding> parts = {};  ///< statements that must all be true; none where it could not be asked
+  std::size_t seeds = 0;                ///< the fewest of any policy with seeds that was asked; 0 if none was
+
+  std::size_t true_parts() const;  ///< at the estimate
+};
+
+/// A part holds if it is true throughout the interval of its margin, and fails if nowhere; where there are several, it
+/// fails only if that stands after Holm's correction for their number, so that one of many parts does not fail by
+/// chance (decision 15). The statement holds if all parts do, and fails if one of them fails; else it is undecided, and
 /// so it is with fewer than kSeedsForVerdict seeds. Without an interval, where data are missing, or where levels end
-/// before the answer, it is not testable.
+/// before the answer, it is not testable. The part that decides is the one furthest from being true, in standard
+/// errors.
 Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data);
 
 /// The same of a bound for one number, measured with as many seeds; none if it has no seeds.

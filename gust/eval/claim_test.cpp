@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "gust/core/error.h"
+#include "gust/core/rng.h"
+#include "gust/core/text.h"
 
 namespace gust {
 namespace {
@@ -141,6 +143,79 @@ TEST_CASE("fewer than five seeds decide nothing, and a policy without seeds is d
   }
   CHECK(measured_text(judged("anr >= 0.5", clear, 2)) == "0.9 [0.85, 0.95] (2 seeds; five are needed)");
   CHECK(measured_text(judged("anr >= 0.5", clear, 1)) == "0.9 [0.85, 0.95] (1 seed; five are needed)");
+}
+
+/// A number whose resamples are 2000 bootstrap means of n units.
+Sampled sampled_mean(double truth, std::size_t n, const Rng& rng) {
+  std::vector<double> units(n);
+  for (std::size_t u = 0; u < n; ++u) units[u] = truth + rng.normal(u);
+  Sampled number{std::vector<double>(2001, 0.0)};
+  number.n = n;
+  number.unit = Unit::seeds;
+  for (const double unit : units) number.values[0] += unit / static_cast<double>(n);
+  for (std::size_t k = 1; k < number.values.size(); ++k) {
+    const Rng draws = rng.split(k);
+    for (std::size_t u = 0; u < n; ++u) number.values[k] += units[draws.below(n, u)] / static_cast<double>(n);
+  }
+  return number;
+}
+
+/// What x_0 >= 0 and x_1 >= 0 and … comes to, of numbers that are sampled anew for every study.
+class ManyParts final : public FormulaData {
+ public:
+  ManyParts(double truth, const Rng& rng) : first(truth), truth_(truth), rng_(rng) {}
+  std::vector<std::string> functions() const override { return {"x"}; }
+  FormulaValue call(std::string_view, const std::vector<FormulaValue>& arguments) const override {
+    const auto which = static_cast<std::uint64_t>(arguments[0].as_number("x").estimate());
+    return {sampled_mean(which == 0 ? first : truth_, 10, rng_.split(which))};
+  }
+  double first;  ///< the truth of part 0
+
+ private:
+  double truth_;
+  Rng rng_;
+};
+
+Finding judged_parts(std::size_t parts, const ManyParts& data) {
+  std::vector<std::string> numbers;
+  for (std::size_t k = 0; k < parts; ++k) numbers.push_back(cat(k));
+  return judge(Formula(cat("all(x(k) >= 0 for k in [", join(numbers, ", "), "])"), kPlace), {}, data);
+}
+
+TEST_CASE(
+    "a claim of many parts that are all true by little does not fail by chance, and one part that is false fails it") {
+  constexpr std::size_t kStudies = 100;
+  const double one_error = 1.0 / std::sqrt(10.0);
+  for (const std::size_t parts : {1, 20, 50}) {
+    double fails = 0, found = 0;
+    for (std::size_t study = 0; study < kStudies; ++study) {
+      ManyParts data(one_error, Rng(study).split(parts));
+      fails += judged_parts(parts, data).verdict.ruling == Ruling::fails ? 1.0 / kStudies : 0.0;
+      data.first = -8 * one_error;
+      const Finding wrong = judged_parts(parts, data);
+      found += wrong.verdict.ruling == Ruling::fails && wrong.parts[0].ruling == Ruling::fails ? 1.0 / kStudies : 0.0;
+    }
+    MESSAGE(parts, " parts: fails ", fails, ", finds ", found);
+    CHECK(fails <= 0.04);
+    CHECK(found >= 0.9);
+  }
+}
+
+TEST_CASE("the parts of a claim say which names they are of, and the one furthest from being true decides") {
+  const Finding found =
+      judge(Formula("all(1 <= k + l for k in [1, 2] for l in [0, -1]) and 'a' == 'a' and not 3 < 2", kPlace), {},
+            ManyParts(0, Rng(1)));
+
+  REQUIRE(found.parts.size() == 6);
+  CHECK(found.parts[1].label == "k = 1, l = -1");
+  CHECK(found.parts[1].statement == "1 <= k + l");
+  CHECK_FALSE(found.parts[1].is_true);
+  CHECK(found.parts[5].statement == "not 3 < 2");
+  CHECK(found.parts[5].label.empty());
+  CHECK(found.true_parts() == 5);
+  CHECK(found.margin.estimate == -1.0);
+  CHECK(found.measured.estimate == -1.0);
+  CHECK(found.verdict.ruling == Ruling::fails);
 }
 
 }  // namespace

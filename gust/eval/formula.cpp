@@ -48,6 +48,11 @@ Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
   }
 }
 
+std::vector<TruthPart> joined(std::vector<TruthPart> first, std::vector<TruthPart> second) {
+  std::ranges::move(second, std::back_inserter(first));
+  return first;
+}
+
 class Evaluator {
  public:
   /// A relation with its two sides.
@@ -60,6 +65,28 @@ class Evaluator {
       : text_(text), place_(place), names_(std::move(names)), data_(data) {}
 
   FormulaValue value(const Node& node) {
+    FormulaValue found = plain_value(node);
+    auto* truth = std::get_if<Truth>(&found.data);
+    if (truth != nullptr && truth->statement.empty() && node.end > node.begin)
+      truth->statement = text_.substr(node.begin, node.end - node.begin);
+    return found;
+  }
+
+  Related related(const Node& node) {
+    FormulaValue left = value(node.parts[0]), right = value(node.parts[1]);
+    const auto* text = std::get_if<std::string>(&left.data);
+    const auto* other = std::get_if<std::string>(&right.data);
+    if (text != nullptr && other != nullptr && (node.text == "==" || node.text == "!=")) {
+      const double margin = (*text == *other) == (node.text == "==") ? 1.0 : -1.0;
+      return {std::move(left), std::move(right), Truth(Sampled::constant(margin))};
+    }
+    const std::string what = cat("'", node.text, "'");
+    Truth truth = placed(node, [&] { return gust::related(node.text, left.as_number(what), right.as_number(what)); });
+    return {std::move(left), std::move(right), std::move(truth)};
+  }
+
+ private:
+  FormulaValue plain_value(const Node& node) {
     switch (node.kind) {
       case Node::Kind::number:
         return {Sampled::constant(node.number)};
@@ -83,20 +110,6 @@ class Evaluator {
     return {logic(node)};
   }
 
-  Related related(const Node& node) {
-    FormulaValue left = value(node.parts[0]), right = value(node.parts[1]);
-    const auto* text = std::get_if<std::string>(&left.data);
-    const auto* other = std::get_if<std::string>(&right.data);
-    if (text != nullptr && other != nullptr && (node.text == "==" || node.text == "!=")) {
-      const double margin = (*text == *other) == (node.text == "==") ? 1.0 : -1.0;
-      return {std::move(left), std::move(right), Truth(Sampled::constant(margin))};
-    }
-    const std::string what = cat("'", node.text, "'");
-    Truth truth = placed(node, [&] { return gust::related(node.text, left.as_number(what), right.as_number(what)); });
-    return {std::move(left), std::move(right), std::move(truth)};
-  }
-
- private:
   template <class... Parts>
   Error error(const Node& node, const Parts&... parts) const {
     return formula_error(place_, text_, node.column, parts...);
@@ -176,8 +189,9 @@ class Evaluator {
     Sampled margin = combine_rising(std::array{first.margin, second.margin}, [both](std::span<const double> margins) {
       return both ? std::ranges::min(margins) : std::ranges::max(margins);
     });
-    if (!both) return Truth(std::move(margin));
-    return {std::move(margin), first.parts + second.parts, first.true_parts + second.true_parts};
+    Truth whole(std::move(margin));
+    if (both) whole.parts = joined(first.all_parts(), second.all_parts());
+    return whole;
   }
 
   /// The items that a `for` makes. A list over numbers that ascend is a curve along them.
@@ -203,15 +217,25 @@ class Evaluator {
     return known.low >= 0;
   }
 
+  /// A statement that was made of an item, with the item's name.
+  static FormulaValue bound(const Node& node, const FormulaValue& item, FormulaValue made) {
+    auto* truth = std::get_if<Truth>(&made.data);
+    const auto* text = std::get_if<std::string>(&item.data);
+    const auto* number = std::get_if<Sampled>(&item.data);
+    if (truth != nullptr && (text != nullptr || number != nullptr))
+      truth->name(cat(node.text, " = ", text != nullptr ? *text : cat(number->estimate())));
+    return made;
+  }
+
   void add(const Node& node, const FormulaValue& item, FormulaList& result) {
     const Node& inner = node.parts[1];
     if (inner.kind == Node::Kind::each) {
-      for (FormulaValue& made : each(inner).items) result.items.push_back(std::move(made));
+      for (FormulaValue& made : each(inner).items) result.items.push_back(bound(node, item, std::move(made)));
       return;
     }
     if (node.parts.size() == 3 && !chosen(node)) return;
     if (++items_ > kMostItems) throw error(node, "makes too many items; at most ", kMostItems, " in a formula");
-    result.items.push_back(value(inner));
+    result.items.push_back(bound(node, item, value(inner)));
     const auto* number = std::get_if<Sampled>(&item.data);
     if (number == nullptr || !number->is_constant()) return;
     const double place = number->estimate();
@@ -231,6 +255,16 @@ Error wrong_type(std::string_view what, std::string_view expected, const Formula
 }
 
 }  // namespace
+
+std::vector<TruthPart> Truth::all_parts() const {
+  return parts.empty() ? std::vector{TruthPart{statement, label, margin}} : parts;
+}
+
+void Truth::name(const std::string& binding) {
+  const auto prepend = [&](std::string& to) { to = cat(binding, to.empty() ? "" : ", ", to); };
+  prepend(label);
+  for (TruthPart& part : parts) prepend(part.label);
+}
 
 Truth related(std::string_view sign, const Sampled& left, const Sampled& right) {
   if (sign == "==" || sign == "!=") {

@@ -13,16 +13,27 @@
 
 namespace gust {
 
+/// One of the statements that must all be true.
+struct TruthPart {
+  std::string statement;  ///< as it is written
+  std::string label;      ///< "a = sac, s = action": what the names that `for` gave it stand for
+  Sampled margin;
+};
+
 /// How true a statement is in each resample: by how much it holds. It is true where the margin is not negative; a
 /// strict relation between equals falls short by the least number there is.
 struct Truth {
-  explicit Truth(Sampled by) : margin(std::move(by)), true_parts(margin.estimate() >= 0 ? 1 : 0) {}
-  Truth(Sampled by, std::size_t of, std::size_t true_of_them)
-      : margin(std::move(by)), parts(of), true_parts(true_of_them) {}
-
   Sampled margin;
-  std::size_t parts = 1;       ///< what `and` and `all` put together: statements that must all be true
-  std::size_t true_parts = 0;  ///< those that are, at the estimate
+  std::vector<TruthPart> parts = {};  ///< what `and` and `all` put together; none of a statement that is one alone
+  std::string statement = {};         ///< as TruthPart has it
+  std::string label = {};
+
+  explicit Truth(Sampled by) : margin(std::move(by)) {}
+
+  /// The parts, of one alone itself.
+  std::vector<TruthPart> all_parts() const;
+  /// Names what one of its names stands for, in front of those within.
+  void name(const std::string& binding);
 };
 
 /// Whether `left sign right` is true, of the signs < <= > >= == !=.
@@ -118,6 +129,7 @@ class Formula {
     double number = 0;
     std::vector<Node> parts = {};  ///< of `each`: the list, what is made of each item, and perhaps a filter
     std::size_t column = 1;
+    std::size_t begin = 0, end = 0;  ///< of a statement: where it stands in the text
   };
 
  private:

@@ -60,11 +60,9 @@ FormulaValue of_numbers(const Arguments& arguments) {
   return {combine_rising(numbers_of(arguments, "a function of numbers"), kOf)};
 }
 FormulaValue all(const Arguments& arguments) {
-  Truth whole(combine_rising(margins_of(arguments[0], "all"), smallest), 0, 0);
-  for (const Truth& truth : truths_of(arguments[0], "all")) {
-    whole.parts += truth.parts;
-    whole.true_parts += truth.true_parts;
-  }
+  Truth whole(combine_rising(margins_of(arguments[0], "all"), smallest));
+  for (const Truth& truth : truths_of(arguments[0], "all"))
+    std::ranges::move(truth.all_parts(), std::back_inserter(whole.parts));
   return {std::move(whole)};
 }
 FormulaValue any(const Arguments& arguments) {

@@ -28,6 +28,9 @@ class Lexer {
  public:
   Lexer(std::string_view text, const Place& place) : text_(text), place_(place) {}
 
+  /// How far it has read.
+  std::size_t at() const { return at_; }
+
   Token next() {
     while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) ++at_;
     Token token{.column = at_ + 1};
@@ -105,7 +108,21 @@ class Parser {
     return formula_error(place_, text_, token_.column, parts...);
   }
 
-  void advance() { token_ = lexer_.next(); }
+  void advance() {
+    end_ = lexer_.at();
+    token_ = lexer_.next();
+  }
+  /// What rule() reads, with its place in the text.
+  template <class Rule>
+  Node placed(Rule rule) {
+    const std::size_t begin = token_.column - 1;
+    Node node = rule();
+    if (node.end == 0) {
+      node.begin = begin;
+      node.end = end_;
+    }
+    return node;
+  }
   bool is_sign(std::string_view sign) const { return token_.kind == Token::Kind::sign && token_.text == sign; }
   bool is_word(std::string_view word) const { return token_.kind == Token::Kind::word && token_.text == word; }
   bool take(std::string_view what) {
@@ -140,12 +157,12 @@ class Parser {
 
   Node either() {
     deeper();
-    Node node = chain(Node::Kind::logic, {"or"}, [this] { return both(); });
+    Node node = placed([this] { return chain(Node::Kind::logic, {"or"}, [this] { return both(); }); });
     --depth_;
     return node;
   }
   Node both() {
-    return chain(Node::Kind::logic, {"and"}, [this] { return negation(); });
+    return chain(Node::Kind::logic, {"and"}, [this] { return placed([this] { return negation(); }); });
   }
   Node negation() {
     bool negated = false;
@@ -242,6 +259,7 @@ class Parser {
   const Place& place_;
   Lexer lexer_;
   Token token_;
+  std::size_t end_ = 0;  ///< of the token before the one at hand
   std::size_t depth_ = 0;
 };
 

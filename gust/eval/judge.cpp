@@ -1,14 +1,17 @@
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <optional>
 
 #include "gust/core/text.h"
 #include "gust/eval/claim.h"
 #include "gust/eval/share.h"
+#include "gust/eval/statistics.h"
 
 namespace gust {
 namespace {
 
+constexpr double kTail = 0.025;         // on one side of a 95 % interval
 constexpr double kMostNeeded = 10'000;  // units that a person may think of running
 
 /// The resamples of a margin that say something; of a constant the constant itself.
@@ -56,39 +59,128 @@ std::string needed_of(double factor, const Sampled& measured) {
   return needed_text(std::max(factor * present, present + 1.0), measured.unit);
 }
 
-/// What follows from the margin of a statement, told with the number that was measured.
-Verdict ruled(const Formula::Judged& judged, const Interval& interval, const std::string& measured) {
-  const Sampled& margin = judged.truth.margin;
-  if (std::isnan(interval.estimate)) return {Ruling::not_testable, "the estimate is not a number"};
-  if (std::isnan(interval.low) || std::isnan(interval.high)) {
+/// A part with what its rule needs.
+struct Weighed {
+  TruthPart part;
+  Interval margin;
+  double tail = 1.0;      ///< how likely resamples as far on the wrong side are if it is true; 1 unless all of it is
+  double distance = 0.0;  ///< from being false, in standard errors
+  Ruling ruling = Ruling::undecided;
+};
+
+/// The standard error that the resamples show, of a mean of n units: they deviate too little by sqrt((n - 1) / n).
+double standard_error(const Sampled& margin) {
+  const std::span<const double> resamples = resamples_of(margin.values);
+  if (margin.is_constant() || !std::ranges::all_of(resamples, [](double value) { return std::isfinite(value); }))
+    return 0.0;
+  const auto n = static_cast<double>(margin.n);
+  return sample_deviation(resamples) * (margin.n > 1 ? std::sqrt(n / (n - 1.0)) : 1.0);
+}
+
+/// Of a part whose interval lies below 0: the share of resamples above it, and where there is none what Student's t
+/// says.
+double wrong_side_tail(const Sampled& margin, double error) {
+  const std::span<const double> ends = resamples_of(margin.upper_ends());
+  const auto above = std::ranges::count_if(ends, [](double value) { return value >= 0; });
+  const auto count = static_cast<double>(ends.size());
+  if (above > 0) return std::min(kTail, static_cast<double>(above) / count);
+  const double least = margin.is_constant() ? 0.0 : std::min(kTail, 1.0 / (count + 1.0));
+  if (error == 0.0 || margin.n < 2) return least;
+  const boost::math::students_t student(static_cast<double>(margin.n - 1));
+  return std::min(least, boost::math::cdf(boost::math::complement(student, -margin.estimate() / error)));
+}
+
+Weighed weighed(TruthPart part) {
+  const double error = standard_error(part.margin);
+  const Interval margin = interval_of(part.margin);
+  Weighed result{std::move(part), margin};
+  const double estimate = result.margin.estimate;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  result.distance = error > 0.0 ? estimate / error : estimate < 0 ? -kFar : kFar;
+  if (std::isnan(estimate) || std::isnan(result.margin.low) || std::isnan(result.margin.high)) {
+    result.ruling = Ruling::not_testable;
+  } else if (result.margin.low >= 0) {
+    result.ruling = Ruling::holds;
+  } else if (result.margin.high < 0) {
+    result.tail = wrong_side_tail(result.part.margin, error);
+  } else if (hangs_on_bounds(result.part.margin)) {
+    result.ruling = Ruling::not_testable;
+  }
+  return result;
+}
+
+/// Holm: the smallest of m tails is held against kTail / m, the next one against kTail / (m - 1), up to the first that
+/// is larger.
+void refute(std::vector<Weighed>& parts) {
+  std::vector<Weighed*> by_tail;
+  for (Weighed& part : parts) by_tail.push_back(&part);
+  std::ranges::stable_sort(by_tail, {}, &Weighed::tail);
+  for (std::size_t i = 0; i < by_tail.size(); ++i) {
+    if (by_tail[i]->tail > kTail / static_cast<double>(by_tail.size() - i)) return;
+    by_tail[i]->ruling = Ruling::fails;
+  }
+}
+
+/// The part on which the statement hangs: of those that rule as it does the one furthest from being true.
+const Weighed& deciding(const std::vector<Weighed>& parts) {
+  for (const Ruling ruling : {Ruling::fails, Ruling::not_testable, Ruling::undecided}) {
+    const Weighed* found = nullptr;
+    for (const Weighed& part : parts) {
+      const bool further = found == nullptr || part.distance < found->distance ||
+                           (part.distance == found->distance && part.margin.estimate < found->margin.estimate);
+      if (part.ruling == ruling && further) found = &part;
+    }
+    if (found != nullptr) return *found;
+  }
+  return *std::ranges::min_element(parts, [](const Weighed& a, const Weighed& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.margin.estimate < b.margin.estimate;
+  });
+}
+
+/// What follows from the part that decides, told with the number that was measured.
+Verdict ruled(const Weighed& part, const Formula::Judged& judged, const std::string& measured) {
+  const Sampled& margin = part.part.margin;
+  if (part.ruling == Ruling::holds || part.ruling == Ruling::fails) return {part.ruling, measured};
+  if (part.ruling == Ruling::not_testable) {
+    if (std::isnan(part.margin.estimate)) return {part.ruling, "the estimate is not a number"};
+    if (!std::isnan(part.margin.low) && !std::isnan(part.margin.high))
+      return {part.ruling, cat(measured, "; ", margin.limit), margin.limit};
     const char* why =
         all_unknown(margin) ? "more than one seed or episode would give an interval" : "a resample is not a number";
-    return {Ruling::not_testable, cat(measured, "; ", why)};
+    return {part.ruling, cat(measured, "; ", why)};
   }
-  if (interval.low >= 0) return {Ruling::holds, measured};
-  if (interval.high < 0) return {Ruling::fails, measured};
-  if (hangs_on_bounds(margin)) return {Ruling::not_testable, cat(measured, "; ", margin.limit), margin.limit};
   const bool is_share = judged.measured.trials > 0 && !std::isnan(judged.bound);
-  const double factor = is_share ? share_needed(judged.measured, judged.bound) : data_needed(interval);
-  return {Ruling::undecided, cat(measured, "; true in some resamples, false in others"),
-          needed_of(factor, judged.measured)};
+  const double factor = is_share ? share_needed(judged.measured, judged.bound) : data_needed(part.margin);
+  const char* why = part.margin.high < 0 ? "; false in all resamples, which one of so many parts may be by chance"
+                                         : "; true in some resamples, false in others";
+  return {part.ruling, cat(measured, why), needed_of(factor, margin)};
+}
+
+/// Without what strict relations between equals give.
+Interval rounded(Interval interval) {
+  for (double* end : {&interval.estimate, &interval.low, &interval.high}) {
+    if (std::abs(*end) < std::numeric_limits<double>::min()) *end = 0.0;
+  }
+  return interval;
 }
 
 Finding found(const Formula::Judged& judged, std::optional<std::size_t> seeds) {
-  Finding finding{.measured = interval_of(judged.measured), .share = share_true(judged.truth.margin)};
-  finding.parts = judged.truth.parts;
-  finding.true_parts = judged.truth.true_parts;
-  Interval& measured = finding.measured;
-  for (double* end : {&measured.estimate, &measured.low, &measured.high}) {
-    if (std::abs(*end) < std::numeric_limits<double>::min()) *end = 0.0;  // what strict relations between equals give
-  }
+  std::vector<Weighed> parts;
+  for (TruthPart& part : judged.truth.all_parts()) parts.push_back(weighed(std::move(part)));
+  refute(parts);
+  const Weighed& decides = deciding(parts);
+  Finding finding{.margin = rounded(decides.margin), .share = share_true(judged.truth.margin)};
+  finding.measured = parts.size() > 1 ? finding.margin : rounded(interval_of(judged.measured));
+  for (const Weighed& part : parts)
+    finding.parts.push_back(
+        {part.part.statement, part.part.label, rounded(part.margin), part.ruling, part.margin.estimate >= 0});
   Verdict& verdict = finding.verdict;
-  verdict = ruled(judged, interval_of(judged.truth.margin), interval_text(measured));
+  verdict = ruled(decides, judged, interval_text(finding.measured));
   if (verdict.ruling == Ruling::not_testable) return finding;
   finding.seeds = seeds.value_or(0);
   if (!seeds || *seeds >= kSeedsForVerdict) return finding;
   verdict = {Ruling::undecided,
-             cat(interval_text(measured), "; ", *seeds, *seeds == 1 ? " seed" : " seeds", "; five are needed"),
+             cat(interval_text(finding.measured), "; ", *seeds, *seeds == 1 ? " seed" : " seeds", "; five are needed"),
              "five are needed"};
   return finding;
 }
@@ -118,6 +210,10 @@ std::string needed_text(double number, Unit unit) {
   return cat("about ", rounded_up(number), " ", what, " would decide");
 }
 
+std::size_t Finding::true_parts() const {
+  return static_cast<std::size_t>(std::ranges::count_if(parts, &PartFinding::is_true));
+}
+
 double data_needed(const Interval& margin) {
   const double width = margin.estimate < 0 ? margin.high - margin.estimate : margin.estimate - margin.low;
   const double distance = std::abs(margin.estimate);
@@ -131,7 +227,7 @@ Finding judge(const Formula& formula, const FormulaNames& names, const FormulaDa
   try {
     judged = formula.judge(names, data);
   } catch (const NotTestable& missing) {
-    return {{}, {Ruling::not_testable, missing.what()}};
+    return {.verdict = {Ruling::not_testable, missing.what()}};
   }
   return found(*judged, data.fewest_seeds());
 }

@@ -10,7 +10,8 @@ namespace gust {
 inline constexpr std::string_view kMeasuredMeaning =
     "The number beside a verdict is what the claim compares with a constant; of one that compares two things, their "
     "difference; of one with several parts, by how much the whole is true, in the unit of the part that decides, below "
-    "0 if it is not. Where a score does not fall as far as is asked up to the end of the grid it is a bound (\u2265); of a "
+    "0 if it is not. Where a score does not fall as far as is asked up to the end of the grid it is a bound (\u2265); "
+    "of a "
     "part that holds because intervals overlap it is infinite.";
 
 /// Pieces of a reproduction's page as HTML. A verdict has a colour and a mark, so that it can be read without colour.

@@ -113,8 +113,8 @@ class Judge {
     result.measured = finding.measured;
     result.verdict = std::move(finding.verdict);
     result.share = finding.share;
-    result.parts = finding.parts;
-    result.true_parts = finding.true_parts;
+    result.parts = finding.parts.size();
+    result.true_parts = finding.true_parts();
     return result;
   }
 

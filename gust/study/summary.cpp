@@ -186,7 +186,7 @@ Finding judged(const Study& study, const StudyClaim& claim, const ClaimScores& s
     const Sampled measured = scores.measured(bound.metric, claim.policy, claim.sweep, claim.at);
     return judge(bound, measured, scores.fewest_seeds());
   } catch (const NotTestable& missing) {
-    return {{}, {Ruling::not_testable, missing.what()}};
+    return {.verdict = {Ruling::not_testable, missing.what()}};
   }
 }
 

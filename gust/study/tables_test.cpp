@@ -92,7 +92,7 @@ TEST_CASE("a claim is told with its ruling, its condition and what was measured"
   const Study study = small_study();
   Summary summary;
   const Interval measured{.estimate = 0.5, .low = 0.25, .high = 0.75, .unit = Unit::episodes, .n = 4};
-  summary.claims.push_back({&study.claims[0], {measured, {Ruling::holds, ""}}});
+  summary.claims.push_back({&study.claims[0], {.measured = measured, .verdict = {Ruling::holds, ""}}});
 
   CHECK(claims_table(summary, 62) == "holds  falls  survival <= 0.8  0.5 [0.25, 0.75] (4 episodes)\n");
   CHECK(claims_table(summary, 61) == "holds  falls\n       survival <= 0.8\n       0.5 [0.25, 0.75] (4 episodes)\n");
