@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -60,7 +61,11 @@ struct Finding {
   Verdict verdict;
   double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples in which all of it is surely true
   std::vector<PartFinding> parts = {};  ///< statements that must all be true; none where it could not be asked
+  std::size_t left_out = 0;             ///< parts that were not to be ruled
   std::size_t seeds = 0;                ///< the fewest of any policy with seeds that was asked; 0 if none was
+
+  /// The ruling by intervals that are wide enough for so few seeds (widened_tail); the verdict's own without seeds.
+  Ruling widened = Ruling::not_testable;
 
   std::size_t true_parts() const;  ///< at the estimate
 };
@@ -71,7 +76,9 @@ struct Finding {
 /// so it is with fewer than kSeedsForVerdict seeds. Without an interval, where data are missing, or where levels end
 /// before the answer, it is not testable. The part that decides is the one furthest from being true, in standard
 /// errors.
-Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data);
+/// Parts for which `leave_out` is true are not ruled; where none is left the statement is not testable.
+Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data,
+              const std::function<bool(const TruthPart&)>& leave_out = {});
 
 /// The same of a bound for one number, measured with as many seeds; none if it has no seeds.
 Finding judge(const Claim& claim, const Sampled& measured, std::optional<std::size_t> seeds);

@@ -218,5 +218,36 @@ TEST_CASE("the parts of a claim say which names they are of, and the one furthes
   CHECK(found.verdict.ruling == Ruling::fails);
 }
 
+TEST_CASE("parts that are left out are not ruled, and without any left there is nothing to test") {
+  const Formula formula("1 > 2 and 2 > 1 and 3 > 1", kPlace);
+  const auto without = [&](const std::string& statement) {
+    return judge(formula, {}, ManyParts(0, Rng(1)), [&](const TruthPart& part) { return part.statement != statement; });
+  };
+
+  CHECK(without("2 > 1").verdict.ruling == Ruling::holds);
+  CHECK(without("2 > 1").left_out == 2);
+  CHECK(without("1 > 2").verdict.ruling == Ruling::fails);
+  CHECK(without("").verdict.ruling == Ruling::not_testable);
+  CHECK(without("").parts.empty());
+  CHECK(without("").left_out == 3);
+}
+
+TEST_CASE(
+    "by intervals that are wide enough for few seeds a verdict stands where few enough resamples are against it") {
+  const auto widened = [](std::size_t against, std::size_t seeds) {
+    Sampled number{std::vector<double>(2001, 1.0)};
+    std::fill_n(number.values.begin() + 1, against, -1.0);
+    number.n = seeds;
+    const Finding found = judged("anr > 0", number, seeds);
+    CHECK(found.verdict.ruling == Ruling::holds);
+    return found.widened;
+  };
+
+  CHECK(widened(16, 10) == Ruling::holds);  // 0.8 %; 0.855 % may be, decision 13
+  CHECK(widened(18, 10) == Ruling::undecided);
+  CHECK(widened(1, 5) == Ruling::holds);  // 0.05 %; 0.095 %
+  CHECK(widened(3, 5) == Ruling::undecided);
+}
+
 }  // namespace
 }  // namespace gust

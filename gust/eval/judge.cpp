@@ -4,12 +4,15 @@
 #include <optional>
 
 #include "gust/core/text.h"
+#include "gust/eval/bootstrap.h"
 #include "gust/eval/claim.h"
 #include "gust/eval/share.h"
 #include "gust/eval/statistics.h"
 
 namespace gust {
 namespace {
+
+using LeaveOut = std::function<bool(const TruthPart&)>;
 
 constexpr double kTail = 0.025;         // on one side of a 95 % interval
 constexpr double kMostNeeded = 10'000;  // units that a person may think of running
@@ -79,20 +82,20 @@ double standard_error(const Sampled& margin) {
 
 /// Of a part whose interval lies below 0: the share of resamples above it, and where there is none what Student's t
 /// says.
-double wrong_side_tail(const Sampled& margin, double error) {
+double wrong_side_tail(const Sampled& margin, double error, double side) {
   const std::span<const double> ends = resamples_of(margin.upper_ends());
   const auto above = std::ranges::count_if(ends, [](double value) { return value >= 0; });
   const auto count = static_cast<double>(ends.size());
-  if (above > 0) return std::min(kTail, static_cast<double>(above) / count);
-  const double least = margin.is_constant() ? 0.0 : std::min(kTail, 1.0 / (count + 1.0));
+  if (above > 0) return std::min(side, static_cast<double>(above) / count);
+  const double least = margin.is_constant() ? 0.0 : std::min(side, 1.0 / (count + 1.0));
   if (error == 0.0 || margin.n < 2) return least;
   const boost::math::students_t student(static_cast<double>(margin.n - 1));
   return std::min(least, boost::math::cdf(boost::math::complement(student, -margin.estimate() / error)));
 }
 
-Weighed weighed(TruthPart part) {
+Weighed weighed(TruthPart part, double side) {
   const double error = standard_error(part.margin);
-  const Interval margin = interval_of(part.margin);
+  const Interval margin = interval_of(part.margin, 1.0 - 2.0 * side);
   Weighed result{std::move(part), margin};
   const double estimate = result.margin.estimate;
   constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -102,23 +105,31 @@ Weighed weighed(TruthPart part) {
   } else if (result.margin.low >= 0) {
     result.ruling = Ruling::holds;
   } else if (result.margin.high < 0) {
-    result.tail = wrong_side_tail(result.part.margin, error);
+    result.tail = wrong_side_tail(result.part.margin, error, side);
   } else if (hangs_on_bounds(result.part.margin)) {
     result.ruling = Ruling::not_testable;
   }
   return result;
 }
 
-/// Holm: the smallest of m tails is held against kTail / m, the next one against kTail / (m - 1), up to the first that
-/// is larger.
-void refute(std::vector<Weighed>& parts) {
+/// Holm: the smallest of m tails is held against side / m, the next one against side / (m - 1), up to the first that is
+/// larger.
+void refute(std::vector<Weighed>& parts, double side) {
   std::vector<Weighed*> by_tail;
   for (Weighed& part : parts) by_tail.push_back(&part);
   std::ranges::stable_sort(by_tail, {}, &Weighed::tail);
   for (std::size_t i = 0; i < by_tail.size(); ++i) {
-    if (by_tail[i]->tail > kTail / static_cast<double>(by_tail.size() - i)) return;
+    if (by_tail[i]->tail > side / static_cast<double>(by_tail.size() - i)) return;
     by_tail[i]->ruling = Ruling::fails;
   }
+}
+
+/// Every part by itself, with `side` outside its interval on each side.
+std::vector<Weighed> weighed(const std::vector<TruthPart>& all, double side) {
+  std::vector<Weighed> parts;
+  for (const TruthPart& part : all) parts.push_back(weighed(part, side));
+  refute(parts, side);
+  return parts;
 }
 
 /// The part on which the statement hangs: of those that rule as it does the one furthest from being true.
@@ -164,13 +175,14 @@ Interval rounded(Interval interval) {
   return interval;
 }
 
-Finding found(const Formula::Judged& judged, std::optional<std::size_t> seeds) {
-  std::vector<Weighed> parts;
-  for (TruthPart& part : judged.truth.all_parts()) parts.push_back(weighed(std::move(part)));
-  refute(parts);
+Finding found(const Formula::Judged& judged, std::optional<std::size_t> seeds, const LeaveOut& leave_out = {}) {
+  std::vector<TruthPart> all = judged.truth.all_parts();
+  const std::size_t left_out = leave_out ? std::erase_if(all, leave_out) : 0;
+  if (all.empty()) return {.verdict = {Ruling::not_testable, "no part of it is to be ruled"}, .left_out = left_out};
+  const std::vector<Weighed> parts = weighed(all, kTail);
   const Weighed& decides = deciding(parts);
-  Finding finding{.margin = rounded(decides.margin), .share = share_true(judged.truth.margin)};
-  finding.measured = parts.size() > 1 ? finding.margin : rounded(interval_of(judged.measured));
+  Finding finding{.margin = rounded(decides.margin), .share = share_true(judged.truth.margin), .left_out = left_out};
+  finding.measured = parts.size() + left_out > 1 ? finding.margin : rounded(interval_of(judged.measured));
   for (const Weighed& part : parts)
     finding.parts.push_back(
         {part.part.statement, part.part.label, rounded(part.margin), part.ruling, part.margin.estimate >= 0});
@@ -178,7 +190,10 @@ Finding found(const Formula::Judged& judged, std::optional<std::size_t> seeds) {
   verdict = ruled(decides, judged, interval_text(finding.measured));
   if (verdict.ruling == Ruling::not_testable) return finding;
   finding.seeds = seeds.value_or(0);
+  finding.widened = verdict.ruling;
+  if (finding.seeds >= kSeedsForVerdict) finding.widened = deciding(weighed(all, widened_tail(finding.seeds))).ruling;
   if (!seeds || *seeds >= kSeedsForVerdict) return finding;
+  finding.widened = Ruling::undecided;
   verdict = {Ruling::undecided,
              cat(interval_text(finding.measured), "; ", *seeds, *seeds == 1 ? " seed" : " seeds", "; five are needed"),
              "five are needed"};
@@ -221,7 +236,7 @@ double data_needed(const Interval& margin) {
   return (width / distance) * (width / distance);
 }
 
-Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data) {
+Finding judge(const Formula& formula, const FormulaNames& names, const FormulaData& data, const LeaveOut& leave_out) {
   std::optional<Formula::Judged> judged;
   data.fewest_seeds();  // of the question before
   try {
@@ -229,7 +244,7 @@ Finding judge(const Formula& formula, const FormulaNames& names, const FormulaDa
   } catch (const NotTestable& missing) {
     return {.verdict = {Ruling::not_testable, missing.what()}};
   }
-  return found(*judged, data.fewest_seeds());
+  return found(*judged, data.fewest_seeds(), leave_out);
 }
 
 Finding judge(const Claim& claim, const Sampled& measured, std::optional<std::size_t> seeds) {

@@ -13,14 +13,41 @@
 namespace gust {
 namespace {
 
+/// The verdicts that decide.
+std::vector<const PaperVerdict*> deciding(const PaperResults& results) {
+  std::vector<const PaperVerdict*> all;
+  for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
+    const std::vector<const PaperVerdict*> on = results.on(c);
+    if (!on.empty()) all.push_back(on.front());
+  }
+  return all;
+}
+
+Grade grade_of(const PaperVerdict& verdict) {
+  return gust::grade_of(verdict.verdict.ruling, verdict.parts, verdict.true_parts, verdict.left_out_parts);
+}
+
 std::string counts_sentence(const PaperResults& results) {
-  const std::vector<std::size_t> counts = verdict_counts(results);
-  std::size_t asked = 0;
-  for (const std::size_t count : counts) asked += count;
-  if (asked == 0) return "";
-  return cat("Of ", counted(asked, "claim", "claims"), " ", counted(counts[0], "holds", "hold"), ", ",
-             counted(counts[1], "fails", "fail"), ", ", counted(counts[2], "is", "are"), " undecided and ", counts[3],
-             " cannot be tested, under the reading that decides each.");
+  const std::vector<const PaperVerdict*> verdicts = deciding(results);
+  if (verdicts.empty()) return "";
+  std::vector<std::string> counts;
+  for (const Grade grade : {Grade::shown, Grade::open, Grade::refuted_in_part, Grade::refuted, Grade::not_comparable,
+                            Grade::not_testable}) {
+    const auto count =
+        std::ranges::count_if(verdicts, [&](const PaperVerdict* verdict) { return grade_of(*verdict) == grade; });
+    if (count > 0)
+      counts.push_back(cat(count, counts.empty() ? count == 1 ? " is " : " are " : " ", grade_name(grade)));
+  }
+  std::size_t parts = 0, true_parts = 0, left_out = 0;
+  for (const PaperVerdict* verdict : verdicts) {
+    parts += verdict->parts;
+    true_parts += verdict->true_parts;
+    left_out += verdict->left_out_parts;
+  }
+  return cat("Of ", counted(verdicts.size(), "claim", "claims"), " ", join(counts, ", "),
+             ", under the reading that decides each; of their ", counted(parts, "part", "parts"), " ", true_parts,
+             true_parts == 1 ? " is" : " are", " true at the estimate",
+             left_out > 0 ? cat(", ", left_out, " more cannot be compared.") : ".");
 }
 
 std::string hardness_sentence(const PaperResults& results) {
@@ -31,30 +58,26 @@ std::string hardness_sentence(const PaperResults& results) {
     ++hard;
     hold += on.front()->verdict.ruling == Ruling::holds ? 1 : 0;
   }
-  return hard == 0
-             ? ""
-             : cat("Of the ", hard, " that the paper does not word softly, ", counted(hold, "holds", "hold"), ".");
+  return hard == 0 ? ""
+                   : cat("Of the ", hard, " that the paper does not word softly, ", hold, hold == 1 ? " is" : " are",
+                         " shown.");
 }
 
-/// "C3, C7"; "none" of none.
-std::string ids_text(const std::vector<std::string>& ids) { return ids.empty() ? "none" : join(ids, ", "); }
-
-/// A claim may put many statements together, and fails with one of them.
-std::string parts_sentence(const PaperResults& results) {
-  constexpr double kMost = 0.75;
-  std::size_t failing = 0;
-  std::vector<std::string> mostly;
-  for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
-    const std::vector<const PaperVerdict*> on = results.on(c);
-    if (on.empty() || on.front()->verdict.ruling != Ruling::fails || on.front()->parts < 2) continue;
-    ++failing;
-    if (static_cast<double>(on.front()->true_parts) >= kMost * static_cast<double>(on.front()->parts))
-      mostly.push_back(results.reproduction.paper->claims[c].id);
+/// What cannot be compared, and why.
+std::string premises_sentence(const PaperResults& results) {
+  std::vector<std::string> says;
+  for (const PaperPremise& premise : results.reproduction.paper->premises) {
+    std::vector<std::string> ids;
+    for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
+      const std::vector<const PaperVerdict*> on = results.on(c);
+      const std::string& id = results.reproduction.paper->claims[c].id;
+      const bool speaks = std::ranges::find(premise.claims, id) != premise.claims.end();
+      if (speaks && !on.empty() && on.front()->left_out_parts > 0) ids.push_back(id);
+    }
+    if (!ids.empty())
+      says.push_back(cat(premise.says, " Parts of claims that speak of it are not compared: ", join(ids, ", "), "."));
   }
-  if (failing == 0) return "";
-  return cat("A claim is judged whole. Of those that fail ", failing,
-             " put several statements together; three quarters of them or more are true, at the estimate, in ",
-             ids_text(mostly), ".");
+  return join(says, " ");
 }
 
 /// What the paper leads with.
@@ -72,13 +95,13 @@ std::string leading_sentence(const PaperResults& results) {
   const PaperVerdict& main = *on.front();
   const bool holds = main.verdict.ruling == Ruling::holds;
   return cat("What the paper leads with, ", leads->id, ", “", leads->text.substr(0, leads->text.find(" (")), "”, ",
-             holds ? "holds"
-                   : cat(main.verdict.ruling == Ruling::fails ? "fails" : "is not decided", ", with ", main.true_parts,
-                         " of ", counted(main.parts, "part", "parts"), " true"),
-             holds || otherwise.empty() ? "" : cat("; it holds under ", join(otherwise, ", ")), ".");
+             "is ", grade_name(grade_of(main)),
+             holds ? "" : cat(", with ", main.true_parts, " of ", counted(main.parts, "part", "parts"), " true"),
+             holds || otherwise.empty() ? "" : cat("; it is shown under ", join(otherwise, ", ")), ".");
 }
 
-/// Claims that hold under one reading of the paper and fail under another; the printed tables are no reading of ours.
+/// Claims that are shown under one reading of the paper and refuted under another; the printed tables are no reading of
+/// ours.
 std::string reading_sentence(const PaperResults& results) {
   std::vector<std::string> changing;
   const Paper& paper = *results.reproduction.paper;
@@ -92,10 +115,9 @@ std::string reading_sentence(const PaperResults& results) {
     if (holds && fails) changing.push_back(paper.claims[c].id);
   }
   if (results.verdicts.empty()) return "";
-  if (changing.empty()) return "No claim holds under one reading of the paper and fails under another.";
-  return cat(changing.size(), changing.size() == 1 ? " claim holds" : " claims hold",
-             " under one reading of the paper and ", changing.size() == 1 ? "fails" : "fail",
-             " under another: ", join(changing, ", "), ".");
+  if (changing.empty()) return "No claim is shown under one reading of the paper and refuted under another.";
+  return cat(changing.size(), changing.size() == 1 ? " claim is" : " claims are",
+             " shown under one reading of the paper and refuted under another: ", join(changing, ", "), ".");
 }
 
 /// Percentile intervals of few seeds cover less than they say: whose verdict that may have decided.
@@ -106,13 +128,13 @@ std::string narrow_intervals_sentence(const PaperResults& results) {
     const std::vector<const PaperVerdict*> on = results.on(c);
     if (on.empty() || !on.front()->decided() || results.reproduction.paper->claims[c].formula->calls("alike")) continue;
     ++decided;
-    if (!on.front()->stands_widened()) falling.push_back(results.reproduction.paper->claims[c].id);
+    if (on.front()->widened != on.front()->verdict.ruling) falling.push_back(results.reproduction.paper->claims[c].id);
   }
   if (decided == 0) return "";
   return cat("Bootstrap intervals of few seeds are too narrow. Widened for that (decision 13), ",
              decided - falling.size(), " of the ", decided,
-             " verdicts that hold or fail stand, those of claims that compare intervals aside",
-             falling.empty() ? "." : cat("; undecided become ", join(falling, ", "), "."));
+             " verdicts that show or refute stand, those of claims that compare intervals aside",
+             falling.empty() ? "." : cat("; open become ", join(falling, ", "), "."));
 }
 
 /// How often one training of each policy, in place of all of them, would have shown what the paper says.
@@ -129,7 +151,7 @@ std::string one_training_sentence(const PaperResults& results) {
     shares_of_failing += on.front()->one_training;
   }
   if (asked == 0) return "";
-  const std::string failed = cat(" The ", failing, " of the ", asked, " that fail would have come out true in ",
+  const std::string failed = cat(" The ", failing, " of the ", asked, " that are refuted would have come out true in ",
                                  percent(shares_of_failing / static_cast<double>(failing)), " of draws on average.");
   return cat(
       "With one training of each policy in place of all seeds, ", either_way, " of ", asked,
@@ -181,7 +203,7 @@ std::string tables_sentence(const PaperResults& results) {
 
 std::vector<std::string> findings(const PaperResults& results) {
   std::vector<std::string> sentences = {counts_sentence(results),       hardness_sentence(results),
-                                        leading_sentence(results),      parts_sentence(results),
+                                        leading_sentence(results),      premises_sentence(results),
                                         tables_sentence(results),       reading_sentence(results),
                                         one_training_sentence(results), narrow_intervals_sentence(results)};
   std::ranges::move(measured_findings(results), std::back_inserter(sentences));

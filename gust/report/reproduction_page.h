@@ -6,6 +6,7 @@
 
 #include "gust/eval/claim.h"
 #include "gust/report/page.h"
+#include "gust/study/reproduction.h"
 
 namespace gust {
 
@@ -28,6 +29,9 @@ struct ReproductionPage {
     double one_training = Page::kUnknown;  ///< how likely it is to be true of one training of each policy
     std::size_t parts = 0;                 ///< statements that the claim puts together; 0 where it could not be asked
     std::size_t true_parts = 0;            ///< those that are true, at the estimate
+    std::size_t left_out_parts = 0;        ///< beside them: those whose premise did not happen here
+
+    Grade grade() const { return grade_of(ruling, parts, true_parts, left_out_parts); }
   };
 
   struct Claim {

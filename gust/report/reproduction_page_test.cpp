@@ -113,10 +113,10 @@ TEST_CASE("a claim hangs on a reading where it holds under one and fails under a
 TEST_CASE("the page says how many claims hang on a reading and which ones") {
   const std::string html = render_reproduction(small_page());
 
-  CHECK(holds(html, "1 of 3 claims holds under one reading and fails under another"));
+  CHECK(holds(html, "1 of 3 claims is shown under one reading and refuted under another"));
   CHECK(count(html, "class=\"cell holds hangs\"") == 1);
-  CHECK(holds(html, "</span> holds: main</span>"));
-  CHECK(holds(html, "</span> fails: other</span>"));
+  CHECK(holds(html, "</span> shown: main</span>"));
+  CHECK(holds(html, "</span> refuted: other</span>"));
 }
 
 TEST_CASE("a figure shows what its data allow and nothing else") {

@@ -262,7 +262,8 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
                                 paper.readings[verdict->reading].printed,
                                 verdict->one_training,
                                 verdict->parts,
-                                verdict->true_parts});
+                                verdict->true_parts,
+                                verdict->left_out_parts});
     }
     page.claims.push_back(std::move(shown));
   }

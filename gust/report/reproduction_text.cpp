@@ -23,21 +23,29 @@ std::string number(const Page::Estimate& estimate) {
   return cat(value, " [", short_number(estimate.low), ", ", short_number(estimate.high), "]");
 }
 
-std::string ruling_text(Ruling ruling) {
-  const std::string name(ruling_name(ruling));
-  return ruling == Ruling::holds || ruling == Ruling::fails ? cat("**", name, "**") : name;
+std::string grade_text(Grade grade) {
+  const std::string name(grade_name(grade));
+  return grade == Grade::shown || grade == Grade::refuted ? cat("**", name, "**") : name;
 }
 
-/// The readings under which the verdict is another one: "fails: saturate before; undecided: not terminated".
+/// "7 of 8, 2 not comparable"
+std::string parts_text(const ReproductionPage::Verdict& verdict) {
+  std::string text = verdict.parts > 0 ? cat(verdict.true_parts, " of ", verdict.parts) : "";
+  if (verdict.left_out_parts > 0) text += cat(text.empty() ? "" : ", ", verdict.left_out_parts, " not comparable");
+  return text.empty() ? "–" : text;
+}
+
+/// The readings under which the verdict is another one: "refuted: saturate before; open: not terminated".
 std::string other_verdicts(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
   std::vector<std::string> parts;
-  for (const Ruling ruling : {Ruling::holds, Ruling::fails, Ruling::undecided, Ruling::not_testable}) {
+  for (const Grade grade : {Grade::shown, Grade::open, Grade::refuted_in_part, Grade::refuted, Grade::not_comparable,
+                            Grade::not_testable}) {
     std::vector<std::string> readings;
     for (const auto& verdict : claim.verdicts) {
-      if (verdict.ruling == ruling && ruling != claim.verdicts.front().ruling)
+      if (verdict.grade() == grade && grade != claim.verdicts.front().grade())
         readings.push_back(page.readings[verdict.reading].name);
     }
-    if (!readings.empty()) parts.push_back(cat(ruling_name(ruling), ": ", join(readings, ", ")));
+    if (!readings.empty()) parts.push_back(cat(grade_name(grade), ": ", join(readings, ", ")));
   }
   return parts.empty() ? (claim.verdicts.size() > 1 ? "none" : "–") : join(parts, "; ");
 }
@@ -50,11 +58,11 @@ std::string claims_table(const ReproductionPage& page, const ReproductionPage::F
     if (std::ranges::find(figure.claims, claim.id) == figure.claims.end()) continue;
     const auto& verdict = claim.verdicts.front();
     const std::string reading = verdict.reading == 0 ? "" : cat(" (", page.readings[verdict.reading].name, ")");
-    text += cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", ruling_text(verdict.ruling),
-                reading, " | ", std::isnan(verdict.measured.value) ? cell(verdict.reason) : number(verdict.measured),
-                " | ", verdict.parts > 1 ? cat(verdict.true_parts, " of ", verdict.parts) : "–", " | ",
-                std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ",
-                cell(other_verdicts(page, claim)), " |\n");
+    text +=
+        cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", grade_text(verdict.grade()),
+            reading, " | ", std::isnan(verdict.measured.value) ? cell(verdict.reason) : number(verdict.measured), " | ",
+            parts_text(verdict), " | ", std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–",
+            " | ", cell(other_verdicts(page, claim)), " |\n");
   }
   return text + "\n";
 }
@@ -101,15 +109,15 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   if (!page.label.empty()) text += cat("**", page.label, "**\n\n");
   text += cat(
       "Made by `", command,
-      "`; no number here was typed by hand. Verdicts are at 95 % over training seeds (percentile bootstrap): a claim "
-      "holds if it is true throughout the interval, fails if nowhere, else it is undecided, as it is from fewer "
-      "than ",
+      "`; no number here was typed by hand. Verdicts are at 95 % over training seeds (percentile bootstrap), part by "
+      "part: a claim is shown if all its parts are true throughout their intervals, refuted if one of them is true "
+      "nowhere in its interval after Holm's correction for their number, else it is open, as it is from fewer than ",
       kSeedsForVerdict, " seeds. Seeds whose training diverged are left out, and named at the end. ", kMeasuredMeaning,
       "\n\n");
   if (!page.note.empty()) text += cat(page.note, "\n\n");
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
   const std::vector<Parting> parting = partings(page);
-  if (!parting.empty()) text += "\n## What fails or stays undecided, by the first reason that the data give\n\n";
+  if (!parting.empty()) text += "\n## What is refuted or stays open, by the first reason that the data give\n\n";
   for (const auto& [why, claims] : parting) {
     std::vector<std::string> ids;
     for (const auto* claim : claims) ids.push_back(claim->id);

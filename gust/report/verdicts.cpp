@@ -13,38 +13,61 @@
 namespace gust {
 namespace {
 
-constexpr std::array kRulings = {Ruling::holds, Ruling::fails, Ruling::undecided, Ruling::not_testable};
+constexpr std::array kGrades = {Grade::shown,   Grade::open,           Grade::refuted_in_part,
+                                Grade::refuted, Grade::not_comparable, Grade::not_testable};
 
-/// The class of a ruling in the style sheet, and the end of its mark's name.
-std::string_view style_of(Ruling ruling) { return ruling == Ruling::not_testable ? "untested" : ruling_name(ruling); }
+/// The class of a grade in the style sheet, and the end of its mark's name.
+std::string_view style_of(Grade grade) {
+  switch (grade) {
+    case Grade::shown:
+      return "holds";
+    case Grade::open:
+      return "undecided";
+    case Grade::refuted_in_part:
+      return "partly";
+    case Grade::refuted:
+      return "fails";
+    case Grade::not_comparable:
+    case Grade::not_testable:
+      break;
+  }
+  return "untested";
+}
 
-std::string mark(Ruling ruling) {
-  return cat("<svg class=\"mark\" aria-hidden=\"true\"><use href=\"#mark-", style_of(ruling), "\"/></svg>");
+std::string mark(Grade grade) {
+  return cat("<svg class=\"mark\" aria-hidden=\"true\"><use href=\"#mark-", style_of(grade), "\"/></svg>");
 }
 
 /// The mark on its colour; decided ones are solid.
-std::string stamp(Ruling ruling, std::string_view title = "") {
-  return cat("<span class=\"stamp ", style_of(ruling), "\"", title.empty() ? "" : cat(" title=\"", title, "\""), ">",
-             mark(ruling), "</span>");
+std::string stamp(Grade grade, std::string_view title = "") {
+  return cat("<span class=\"stamp ", style_of(grade), "\"", title.empty() ? "" : cat(" title=\"", title, "\""), ">",
+             mark(grade), "</span>");
 }
 
-std::string_view meaning(Ruling ruling) {
-  switch (ruling) {
-    case Ruling::holds:
-      return "true throughout the interval";
-    case Ruling::fails:
-      return "true nowhere in it";
-    case Ruling::undecided:
-      return "the interval leaves both open, or too few seeds";
-    case Ruling::not_testable:
+std::string_view meaning(Grade grade) {
+  switch (grade) {
+    case Grade::shown:
+      return "all its parts are true throughout their intervals";
+    case Grade::open:
+      return "intervals leave a part open, or too few seeds";
+    case Grade::refuted_in_part:
+      return "a part is false throughout its interval, others are true";
+    case Grade::refuted:
+      return "false throughout, and no part is true";
+    case Grade::not_comparable:
+      return "what it takes for granted did not happen here";
+    case Grade::not_testable:
       return "a datum is missing";
   }
-  throw Bug("a ruling outside its enumeration");
+  throw Bug("a grade outside its enumeration");
 }
 
 /// The verdict of the reading that decides.
 Ruling main_ruling(const ReproductionPage::Claim& claim) {
   return claim.verdicts.empty() ? Ruling::not_testable : claim.verdicts.front().ruling;
+}
+Grade main_grade(const ReproductionPage::Claim& claim) {
+  return claim.verdicts.empty() ? Grade::not_testable : claim.verdicts.front().grade();
 }
 
 /// Whether a claim has this verdict under a reading of ours, or of the paper's printed numbers.
@@ -58,16 +81,16 @@ std::string link_to(const ReproductionPage::Claim& claim) {
 }
 
 std::string cell(const ReproductionPage::Claim& claim) {
-  const Ruling ruling = main_ruling(claim);
+  const Grade grade = main_grade(claim);
   const bool hangs = hangs_on_reading(claim);
-  return cat("<li><a class=\"cell ", style_of(ruling), hangs ? " hangs" : "", "\" href=\"#claim-", escaped(claim.id),
-             "\" title=\"", escaped(claim.text), "\">", mark(ruling), escaped(claim.id), "<span class=\"hidden\"> ",
-             ruling_name(ruling), hangs ? ", hangs on the reading" : "", "</span></a></li>\n");
+  return cat("<li><a class=\"cell ", style_of(grade), hangs ? " hangs" : "", "\" href=\"#claim-", escaped(claim.id),
+             "\" title=\"", escaped(claim.text), "\">", mark(grade), escaped(claim.id), "<span class=\"hidden\"> ",
+             grade_name(grade), hangs ? ", hangs on the reading" : "", "</span></a></li>\n");
 }
 
-std::string count_html(const ReproductionPage& page, Ruling ruling) {
-  const auto count = std::ranges::count(page.claims, ruling, main_ruling);
-  return cat("<div><dt>", stamp(ruling), ruling_name(ruling), "<small>", meaning(ruling), "</small></dt><dd>", count,
+std::string count_html(const ReproductionPage& page, Grade grade) {
+  const auto count = std::ranges::count(page.claims, grade, main_grade);
+  return cat("<div><dt>", stamp(grade), grade_name(grade), "<small>", meaning(grade), "</small></dt><dd>", count,
              "</dd></div>\n");
 }
 
@@ -85,9 +108,9 @@ std::string reading_row(const ReproductionPage& page, std::size_t reading) {
       out += "<td></td>";
       continue;
     }
-    const std::string_view ruling = ruling_name(verdict->ruling);
-    out += cat("<td>", stamp(verdict->ruling, cat(escaped(claim.id), ", ", name, ": ", ruling)),
-               "<span class=\"hidden\">", ruling, "</span></td>");
+    const std::string_view grade = grade_name(verdict->grade());
+    out += cat("<td>", stamp(verdict->grade(), cat(escaped(claim.id), ", ", name, ": ", grade)),
+               "<span class=\"hidden\">", grade, "</span></td>");
   }
   return out + "</tr>\n";
 }
@@ -115,16 +138,16 @@ std::string readings_list(const ReproductionPage& page) {
   return out + "</dl>\n";
 }
 
-/// "✓ holds: scg-2022, saturate before" for each ruling that a claim gets.
-std::string by_ruling(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
+/// "✓ shown: scg-2022, saturate before" for each grade that a claim gets.
+std::string by_grade(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
   std::string out;
-  for (const Ruling ruling : kRulings) {
+  for (const Grade grade : kGrades) {
     std::vector<std::string> names;
     for (const auto& verdict : claim.verdicts) {
-      if (verdict.ruling == ruling) names.push_back(escaped(page.readings[verdict.reading].name));
+      if (verdict.grade() == grade) names.push_back(escaped(page.readings[verdict.reading].name));
     }
     if (names.empty()) continue;
-    out += cat("<span class=\"under\">", stamp(ruling), " ", ruling_name(ruling), ": ", join(names, ", "), "</span>");
+    out += cat("<span class=\"under\">", stamp(grade), " ", grade_name(grade), ": ", join(names, ", "), "</span>");
   }
   return out;
 }
@@ -134,7 +157,7 @@ std::string changing_list(const ReproductionPage& page) {
   for (const auto& claim : page.claims) {
     if (!hangs_on_reading(claim)) continue;
     items += cat("<li><span class=\"id\">", link_to(claim), "</span><div><p>", escaped(claim.text),
-                 "</p><p class=\"detail\">", by_ruling(page, claim), "</p></div></li>\n");
+                 "</p><p class=\"detail\">", by_grade(page, claim), "</p></div></li>\n");
   }
   if (items.empty()) return "";
   return cat("<h3>Claims that hang on a reading</h3>\n<ul class=\"changing\">\n", items, "</ul>\n");
@@ -165,27 +188,31 @@ std::string reason_beyond_number(const ReproductionPage::Verdict& verdict) {
   return join(parts, "; ");
 }
 
-/// "7 of 8 parts true"
+bool has_parts(const ReproductionPage::Verdict& verdict) { return verdict.parts + verdict.left_out_parts > 1; }
+
+/// "7 of 8 parts true, 2 not comparable"
 std::string parts_text(const ReproductionPage::Verdict& verdict) {
-  return cat(verdict.true_parts, " of ", verdict.parts, " parts true");
+  std::string text = verdict.parts == 0 ? "" : cat(verdict.true_parts, " of ", verdict.parts, " parts true");
+  if (verdict.left_out_parts > 0) text += cat(text.empty() ? "" : ", ", verdict.left_out_parts, " not comparable");
+  return text;
 }
 
 std::string seeds_text(const ReproductionPage::Verdict& verdict) {
   return verdict.seeds == 0 ? "" : counted(verdict.seeds, "seed", "seeds");
 }
 
-std::string pill(Ruling ruling) {
-  return cat("<span class=\"verdict ", style_of(ruling), "\">", mark(ruling), " ", ruling_name(ruling), "</span>");
+std::string pill(Grade grade) {
+  return cat("<span class=\"verdict ", style_of(grade), "\">", mark(grade), " ", grade_name(grade), "</span>");
 }
 
 std::string other_readings(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
   std::string rows;
   for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
     const ReproductionPage::Verdict& verdict = claim.verdicts[i];
-    rows +=
-        cat("<tr><th scope=\"row\">", escaped(page.readings[verdict.reading].name), "</th><td>", pill(verdict.ruling),
-            "</td><td>", measured_html(verdict), "</td><td>", verdict.parts > 1 ? parts_text(verdict) : "", "</td><td>",
-            seeds_text(verdict), "</td><td class=\"reason\">", escaped(reason_beyond_number(verdict)), "</td></tr>\n");
+    rows += cat("<tr><th scope=\"row\">", escaped(page.readings[verdict.reading].name), "</th><td>",
+                pill(verdict.grade()), "</td><td>", measured_html(verdict), "</td><td>",
+                has_parts(verdict) ? parts_text(verdict) : "", "</td><td>", seeds_text(verdict),
+                "</td><td class=\"reason\">", escaped(reason_beyond_number(verdict)), "</td></tr>\n");
   }
   if (rows.empty()) return "";
   return cat(
@@ -202,7 +229,7 @@ std::string folded(const ReproductionPage& page, const ReproductionPage::Claim& 
   for (std::size_t i = 1; i < claim.verdicts.size(); ++i) {
     const ReproductionPage::Verdict& verdict = claim.verdicts[i];
     stamps +=
-        stamp(verdict.ruling, cat(escaped(page.readings[verdict.reading].name), ": ", ruling_name(verdict.ruling)));
+        stamp(verdict.grade(), cat(escaped(page.readings[verdict.reading].name), ": ", grade_name(verdict.grade())));
   }
   const bool asked = !claim.formula.empty();
   std::string summary = asked ? "Formula" : "";
@@ -219,6 +246,7 @@ std::string mark_shapes() {
   return "<svg class=\"hidden\" aria-hidden=\"true\">"
          "<symbol id=\"mark-holds\" viewBox=\"0 0 16 16\"><path d=\"M3 8.6L6.6 12.2L13 4.4\"/></symbol>"
          "<symbol id=\"mark-fails\" viewBox=\"0 0 16 16\"><path d=\"M4 4L12 12M12 4L4 12\"/></symbol>"
+         "<symbol id=\"mark-partly\" viewBox=\"0 0 16 16\"><path d=\"M4 12L12 4\"/></symbol>"
          "<symbol id=\"mark-undecided\" viewBox=\"0 0 16 16\"><circle cx=\"8\" cy=\"8\" r=\"4.8\"/><path "
          "class=\"half\" "
          "d=\"M8 3.2A4.8 4.8 0 0 0 8 12.8Z\"/></symbol>"
@@ -240,19 +268,19 @@ std::vector<Parting> partings(const ReproductionPage& page) {
          const std::size_t seeds = claim.verdicts.front().seeds;
          return seeds > 0 && seeds < kSeedsForVerdict;
        }},
-      {"It holds under another reading, or in other words, than what decides.",
+      {"It is shown under another reading, or in other words, than what decides.",
        [](const Claim& claim) { return ruled(claim, Ruling::holds, false); }},
-      {"It is undecided, and one training of each policy would show it in 10 to 90 % of draws.",
+      {"It is open, and one training of each policy would show it in 10 to 90 % of draws.",
        [&](const Claim& claim) { return main_ruling(claim) == Ruling::undecided && hangs_on_draw(share(claim)); }},
       {"The paper's own printed numbers do not show it either.",
        [](const Claim& claim) { return ruled(claim, Ruling::fails, true); }},
       {"Most single trainings show it, but their mean leaves it open.",
        [&](const Claim& claim) { return share(claim) > 0.9; }},
-      {"It fails over all seeds, though single trainings of ours show it in 10 to 90 % of draws.",
+      {"It is refuted over all seeds, though single trainings of ours show it in 10 to 90 % of draws.",
        [&](const Claim& claim) { return hangs_on_draw(share(claim)); }},
-      {"Hardly a single training of ours shows it, and it holds under no reading of ours.",
+      {"Hardly a single training of ours shows it, and it is shown under no reading of ours.",
        [&](const Claim& claim) { return share(claim) < 0.1; }},
-      {"One training alone cannot show it, and it holds under no reading of ours.",
+      {"One training alone cannot show it, and it is shown under no reading of ours.",
        [&](const Claim& claim) {
          return !std::isfinite(share(claim)) && claim.verdicts.front().seeds >= kSeedsForVerdict;
        }},
@@ -279,7 +307,7 @@ std::string partings_html(const ReproductionPage& page) {
                  join(links, ", "), "</dd></div>\n");
   }
   if (items.empty()) return "";
-  return cat("<h3>What fails or stays undecided, by the first reason that the data give</h3>\n<dl class=\"facts\">\n",
+  return cat("<h3>What is refuted or stays open, by the first reason that the data give</h3>\n<dl class=\"facts\">\n",
              items, "</dl>\n");
 }
 
@@ -287,25 +315,25 @@ std::string verdict_picture(const ReproductionPage& page) {
   std::string cells;
   for (const auto& claim : page.claims) cells += cell(claim);
   std::string counts;
-  for (const Ruling ruling : kRulings) counts += count_html(page, ruling);
+  for (const Grade grade : kGrades) counts += count_html(page, grade);
   const bool hang = std::ranges::any_of(page.claims, hangs_on_reading);
   const std::string reading = "Each under the reading that decides it: the first, unless the claim says another.";
-  return cat(
-      "<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
-      "</dl>\n<p class=\"note\">", reading, " ", kMeasuredMeaning, "</p>",
-      hang ? "<p class=\"note\"><span class=\"fold\"></span> It holds under one reading and fails under another.</p>"
-           : "",
-      "</div></div>\n");
+  return cat("<div class=\"picture\"><ol class=\"cells\">\n", cells, "</ol>\n<div><dl class=\"counts\">\n", counts,
+             "</dl>\n<p class=\"note\">", reading, " ", kMeasuredMeaning, "</p>",
+             hang ? "<p class=\"note\"><span class=\"fold\"></span> It is shown under one reading and refuted under "
+                    "another.</p>"
+                  : "",
+             "</div></div>\n");
 }
 
 std::string reading_table(const ReproductionPage& page) {
   if (page.readings.size() < 2) return "";
   const auto hang = std::ranges::count_if(page.claims, hangs_on_reading);
   return cat("<p class=\"lead\">The paper leaves open what some of its words mean. ", hang, " of ",
-             counted(page.claims.size(), "claim", "claims"), hang == 1 ? " holds" : " hold", " under one reading and ",
-             hang == 1 ? "fails" : "fail",
-             " under another. An empty place: the reading does not bear on the claim.</p>\n", reading_matrix(page),
-             readings_list(page), changing_list(page));
+             counted(page.claims.size(), "claim", "claims"), hang == 1 ? " is" : " are",
+             " shown under one reading and refuted under another. An empty place: the reading does not bear on the "
+             "claim.</p>\n",
+             reading_matrix(page), readings_list(page), changing_list(page));
 }
 
 std::string claim_html(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
@@ -317,7 +345,7 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   if (verdict.seeds > 0) details.push_back(seeds_text(verdict));
   if (std::isfinite(verdict.one_training))
     details.push_back(cat("true of one training each in ", percent(verdict.one_training)));
-  if (verdict.parts > 1) details.push_back(parts_text(verdict));
+  if (has_parts(verdict)) details.push_back(parts_text(verdict));
   if (!claim.hard) details.push_back("worded softly");
   if (!claim.place.empty()) details.push_back(escaped(claim.place));
   if (verdict.reading > 0) details.push_back(cat("under ", escaped(page.readings[verdict.reading].name)));
@@ -325,7 +353,7 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   const std::string reason = reason_beyond_number(verdict);
   std::string line;
   for (const auto& detail : details) line += cat("<span>", detail, "</span>");
-  return cat("<li id=\"claim-", escaped(claim.id), "\">", pill(verdict.ruling), "<div><p><span class=\"id\">",
+  return cat("<li id=\"claim-", escaped(claim.id), "\">", pill(verdict.grade()), "<div><p><span class=\"id\">",
              escaped(claim.id), "</span> ", escaped(claim.text), "</p><p class=\"detail\">", line, "</p>",
              reason.empty() ? "" : cat("<p class=\"reason\">", escaped(reason), "</p>"), folded(page, claim),
              "</div></li>\n");

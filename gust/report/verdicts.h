@@ -8,11 +8,10 @@ namespace gust {
 
 /// What the number beside a verdict is.
 inline constexpr std::string_view kMeasuredMeaning =
-    "The number beside a verdict is what the claim compares with a constant; of one that compares two things, their "
-    "difference; of one with several parts, by how much the whole is true, in the unit of the part that decides, below "
-    "0 if it is not. Where a score does not fall as far as is asked up to the end of the grid it is a bound (\u2265); "
-    "of a "
-    "part that holds because intervals overlap it is infinite.";
+    "The number beside a verdict says by how much the part of the claim that decides is true: positive where it is, "
+    "negative where it is not, in that part's unit, with its 95 % interval. It is infinite where a part is true "
+    "because "
+    "intervals overlap, or a score does not fall as far as is asked up to the end of the grid.";
 
 /// Pieces of a reproduction's page as HTML. A verdict has a colour and a mark, so that it can be read without colour.
 

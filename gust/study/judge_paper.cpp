@@ -89,18 +89,18 @@ class Judge {
     const auto other = reading.asks.find(claim.id);
     const Formula& formula = other == reading.asks.end() ? *claim.formula : other->second;
     ClaimView view = view_of(claim, reading);
-    const ClaimScores scores(sources(claim, question.reading), view, Rng(1).split("paper"));
+    const ClaimScores scores(sources(claim.from, question.reading), view, Rng(1).split("paper"));
     Finding finding;
     try {
       const PrintedScores printed(paper_, paper_.figure(claim.figure)->table, scores.functions());
       const RenamedScores renamed(scores, reading.instead);
       const FormulaData& data = reading.printed ? static_cast<const FormulaData&>(printed) : renamed;
       if (store_ == nullptr) formula.evaluate(paper_.names, data);  // a place beyond the levels is a mistake now
-      finding = judge(formula, paper_.names, data);
+      finding = judge(formula, paper_.names, data, left_out(question));
       result.seeds = finding.seeds;
       if (result.seeds >= kSeedsForVerdict && !formula.calls("alike")) {
         view.one_training = true;
-        const ClaimScores ones(sources(claim, question.reading), view, Rng(1).split("paper"));
+        const ClaimScores ones(sources(claim.from, question.reading), view, Rng(1).split("paper"));
         result.one_training = judge(formula, paper_.names, RenamedScores(ones, reading.instead)).share;
       }
     } catch (const BeyondLevels& mistake) {  // of data that are there it is told by judge()
@@ -110,7 +110,9 @@ class Judge {
       if (store_ == nullptr) throw;
       finding.verdict = {Ruling::not_testable, error.what()};
     }
-    result.measured = finding.measured;
+    result.measured = finding.margin;
+    result.left_out_parts = finding.left_out;
+    result.widened = finding.widened;
     result.verdict = std::move(finding.verdict);
     result.share = finding.share;
     result.parts = finding.parts.size();
@@ -119,6 +121,31 @@ class Judge {
   }
 
  private:
+  /// Which parts of a claim have a premise that did not happen under a reading: none of the printed numbers.
+  std::function<bool(const TruthPart&)> left_out(const Question& question) const {
+    const std::string& id = paper_.claims[question.claim].id;
+    std::vector<const PaperPremise*> failed;
+    for (const PaperPremise& premise : paper_.premises) {
+      const bool asked = std::ranges::find(premise.claims, id) != premise.claims.end();
+      if (asked && !paper_.readings[question.reading].printed && has_failed(premise, question.reading))
+        failed.push_back(&premise);
+    }
+    if (failed.empty()) return {};
+    return [id, failed](const TruthPart& part) {
+      return std::ranges::any_of(failed, [&](const PaperPremise* premise) { return premise->bears_on(id, part); });
+    };
+  }
+
+  /// Where its data are not there a premise is taken for granted.
+  bool has_failed(const PaperPremise& premise, std::size_t reading) const {
+    const bool known = std::ranges::all_of(
+        premise.from, [&](const std::string& study) { return reproduction_.find(reading, study).has_value(); });
+    if (!known) return false;
+    const ClaimScores scores(sources(premise.from, reading), {.metric = "anr_h", .start = "random"}, Rng(1));
+    const Finding finding = judge(*premise.formula, paper_.names, scores);
+    return store_ != nullptr && !finding.parts.empty() && finding.true_parts() < finding.parts.size();
+  }
+
   bool can_ask(const PaperClaim& claim) const {
     return std::ranges::all_of(claim.from,
                                [&](const std::string& study) { return reproduction_.find(0, study).has_value(); });
@@ -162,9 +189,9 @@ class Judge {
     });
   }
 
-  std::vector<ClaimSource> sources(const PaperClaim& claim, std::size_t reading) const {
+  std::vector<ClaimSource> sources(const std::vector<std::string>& from, std::size_t reading) const {
     std::vector<ClaimSource> all;
-    for (const std::string& name : claim.from) {
+    for (const std::string& name : from) {
       const std::size_t at = *reproduction_.find(reading, name);
       all.push_back({&reproduction_.studies[at].study, store_ ? &plans_[at] : nullptr, store_});
     }
@@ -187,11 +214,37 @@ class Judge {
 
 }  // namespace
 
-bool PaperVerdict::stands_widened() const {
-  if (!decided() || seeds == 0) return decided();
-  if (seeds < kSeedsForVerdict) return false;
-  const double against = verdict.ruling == Ruling::holds ? 1.0 - share : share;
-  return against <= widened_tail(seeds);
+std::string_view grade_name(Grade grade) {
+  switch (grade) {
+    case Grade::shown:
+      return "shown";
+    case Grade::open:
+      return "open";
+    case Grade::refuted_in_part:
+      return "refuted in part";
+    case Grade::refuted:
+      return "refuted";
+    case Grade::not_comparable:
+      return "not comparable";
+    case Grade::not_testable:
+      break;
+  }
+  return "not testable";
+}
+
+Grade grade_of(Ruling ruling, std::size_t parts, std::size_t true_parts, std::size_t left_out_parts) {
+  if (parts == 0 && left_out_parts > 0) return Grade::not_comparable;
+  switch (ruling) {
+    case Ruling::holds:
+      return Grade::shown;
+    case Ruling::undecided:
+      return Grade::open;
+    case Ruling::fails:
+      return true_parts > 0 ? Grade::refuted_in_part : Grade::refuted;
+    case Ruling::not_testable:
+      break;
+  }
+  return Grade::not_testable;
 }
 
 std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,

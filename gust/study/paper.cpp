@@ -1,6 +1,7 @@
 #include "gust/study/paper.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "gust/core/csv.h"
 #include "gust/core/fields.h"
@@ -140,6 +141,22 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
   return claim;
 }
 
+PaperPremise parse_premise(const Table& table, const Paper& paper) {
+  check_keys(table, {"of", "says", "claims", "from", "holds"}, "a premise");
+  PaperPremise premise{required_text(table, "of", "a premise"),
+                       required_text(table, "says", "a premise"),
+                       texts_of(table, "claims"),
+                       texts_of(table, "from"),
+                       {}};
+  check_figures(paper, premise.from, table);
+  premise.formula.emplace(required_text(table, "holds", "a premise"), table.find("holds")->place);
+  for (const std::string& id : premise.claims) {
+    if (std::ranges::find(paper.claims, id, &PaperClaim::id) == paper.claims.end())
+      throw error_at(table.place, "a premise speaks of ", id, ", which is no claim");
+  }
+  return premise;
+}
+
 void parse_manifest(std::string_view text, Paper& paper) {
   const Table table = parse_toml(text, "paper.toml");
   const Value* schema = table.find("schema");
@@ -160,7 +177,7 @@ void parse_manifest(std::string_view text, Paper& paper) {
 
 void parse_claims(std::string_view text, Paper& paper) {
   const Table table = parse_toml(text, "claims.toml");
-  check_keys(table, {"names", "claim"}, "the claims");
+  check_keys(table, {"names", "claim", "premise"}, "the claims");
   if (const Value* names = table.find("names")) paper.names = parse_names(names->as_table("names"));
   for_each_table(table, "claim", [&](const Table& item) {
     PaperClaim claim = parse_claim(item, paper);
@@ -168,6 +185,8 @@ void parse_claims(std::string_view text, Paper& paper) {
       throw error_at(item.place, "duplicate claim ", claim.id);
     paper.claims.push_back(std::move(claim));
   });
+  if (table.contains("premise"))
+    for_each_table(table, "premise", [&](const Table& item) { paper.premises.push_back(parse_premise(item, paper)); });
   for (const PaperReading& reading : paper.readings) {
     for (const std::string& id : reading.claims) {
       if (std::ranges::find(paper.claims, id, &PaperClaim::id) == paper.claims.end())
@@ -177,6 +196,15 @@ void parse_claims(std::string_view text, Paper& paper) {
 }
 
 }  // namespace
+
+bool PaperPremise::bears_on(const std::string& claim, const TruthPart& part) const {
+  if (std::ranges::find(claims, claim) == claims.end()) return false;
+  const auto speaks = [&](std::string text) {
+    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text.find(of) != std::string::npos;
+  };
+  return speaks(part.label) || speaks(part.statement);
+}
 
 const PaperFigure* Paper::figure(std::string_view study) const {
   const auto at = std::ranges::find(figures, study, &PaperFigure::study);

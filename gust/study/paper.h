@@ -66,6 +66,18 @@ struct PaperClaim {
   std::string missing;  ///< why there is no formula: the datum that nobody has
 };
 
+/// What the paper's claims about something take for granted. Where it did not happen in our runs, parts of claims that
+/// speak of it cannot be compared.
+struct PaperPremise {
+  std::string of;                   ///< what parts speak of, as part of a name: "raac"
+  std::string says;                 ///< a sentence: what the paper had, and we have not
+  std::vector<std::string> claims;  ///< by id
+  std::vector<std::string> from;    ///< the studies that the formula asks
+  std::optional<Formula> formula;
+
+  bool bears_on(const std::string& claim, const TruthPart& part) const;
+};
+
 /// A number that the paper prints.
 struct PrintedValue {
   std::string table, row, column;
@@ -82,6 +94,7 @@ struct Paper {
   std::vector<PaperFigure> figures;    ///< in the paper's order
   FormulaNames names;
   std::vector<PaperClaim> claims;
+  std::vector<PaperPremise> premises;
   std::vector<PrintedValue> tables;
 
   const PaperFigure* figure(std::string_view study) const;

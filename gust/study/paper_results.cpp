@@ -99,14 +99,15 @@ class ResultsReader {
 std::string claims_csv(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   std::string text = csv_line({"id", "reading", "verdict", "estimate", "low", "high", "seeds", "share", "one_training",
-                               "true_parts", "parts", "reason"});
+                               "true_parts", "parts", "left_out_parts", "widened", "reason"});
   for (const PaperVerdict& verdict : results.verdicts) {
     const Interval& measured = verdict.measured;
-    text += csv_line({paper.claims[verdict.claim].id, paper.readings[verdict.reading].name,
-                      std::string(ruling_name(verdict.verdict.ruling)), number_text(measured.estimate),
-                      number_text(measured.low), number_text(measured.high), cat(verdict.seeds),
-                      number_text(verdict.share), number_text(verdict.one_training), cat(verdict.true_parts),
-                      cat(verdict.parts), verdict.verdict.reason});
+    text +=
+        csv_line({paper.claims[verdict.claim].id, paper.readings[verdict.reading].name,
+                  std::string(ruling_name(verdict.verdict.ruling)), number_text(measured.estimate),
+                  number_text(measured.low), number_text(measured.high), cat(verdict.seeds), number_text(verdict.share),
+                  number_text(verdict.one_training), cat(verdict.true_parts), cat(verdict.parts),
+                  cat(verdict.left_out_parts), std::string(ruling_name(verdict.widened)), verdict.verdict.reason});
   }
   return text;
 }
@@ -137,6 +138,8 @@ void read_claims(ResultsReader& files, PaperResults& results) {
     verdict.one_training = table.number(i, "one_training");
     verdict.true_parts = table.whole(i, "true_parts");
     verdict.parts = table.whole(i, "parts");
+    verdict.left_out_parts = table.whole(i, "left_out_parts");
+    verdict.widened = ruling_from(table.text(i, "widened"), table.place(i));
     verdict.verdict = {ruling_from(table.text(i, "verdict"), table.place(i)), table.text(i, "reason")};
     results.verdicts.push_back(std::move(verdict));
   }

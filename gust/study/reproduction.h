@@ -39,20 +39,31 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
 struct PaperVerdict {
   std::size_t claim = 0;
   std::size_t reading = 0;
-  Interval measured;
+  Interval measured;  ///< by how much the part that decides is true, in its unit; below 0 if it is not
   Verdict verdict;
   std::size_t seeds = 0;  ///< the fewest of any trained policy that was asked; 0 if none was
   /// How likely it is to be true of one training of each policy, drawn from the seeds. Not a number where there are
   /// fewer than kSeedsForVerdict, or one training says nothing of the claim: of intervals, or how seeds differ.
   double one_training = std::numeric_limits<double>::quiet_NaN();
   double share = std::numeric_limits<double>::quiet_NaN();  ///< of the resamples of the seeds in which it is true
-  std::size_t parts = 0;       ///< statements that the claim puts together (Truth); 0 where it could not be asked
-  std::size_t true_parts = 0;  ///< those that are true, at the estimate
+  std::size_t parts = 0;           ///< statements that the claim puts together (Truth); 0 where it could not be asked
+  std::size_t true_parts = 0;      ///< those that are true, at the estimate
+  std::size_t left_out_parts = 0;  ///< beside them: those whose premise did not happen here
+
+  Ruling widened = Ruling::not_testable;  ///< by intervals that are wide enough for so few seeds (Finding)
 
   bool decided() const { return verdict.ruling == Ruling::holds || verdict.ruling == Ruling::fails; }
-  /// Whether a verdict stays decided where the interval is widened for its few seeds (widened_tail).
-  bool stands_widened() const;
 };
+
+/// A verdict as a reader hears it: how much of a claim of many parts was shown.
+enum class Grade { shown, open, refuted_in_part, refuted, not_comparable, not_testable };
+
+/// "shown", "open", "refuted in part", "refuted", "not comparable" or "not testable".
+std::string_view grade_name(Grade grade);
+
+/// Refuted in part: some of its parts are true at the estimate. Not comparable: the premise of all its parts did not
+/// happen here.
+Grade grade_of(Ruling ruling, std::size_t parts, std::size_t true_parts, std::size_t left_out_parts);
 
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose
 /// studies are not to be run are left out. `plans` are those of the studies. Equal data give equal bits for any number

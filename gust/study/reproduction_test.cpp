@@ -124,23 +124,28 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   CHECK(more.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2, 3});
 }
 
-TEST_CASE("a verdict stands widened intervals where few enough resamples speak against it") {
-  const auto verdict = [](Ruling ruling, std::size_t seeds, double share) {
-    PaperVerdict result;
-    result.verdict.ruling = ruling;
-    result.seeds = seeds;
-    result.share = share;
-    return result;
-  };
-  // With ten seeds 0.0086 of the resamples may, with five 0.00095 (gust/eval/aggregate_test.cpp).
-  CHECK(verdict(Ruling::fails, 10, 0.008).stands_widened());
-  CHECK_FALSE(verdict(Ruling::fails, 10, 0.009).stands_widened());
-  CHECK_FALSE(verdict(Ruling::fails, 5, 0.008).stands_widened());
-  CHECK(verdict(Ruling::holds, 5, 0.9995).stands_widened());
-  CHECK_FALSE(verdict(Ruling::holds, 5, 0.99).stands_widened());
-  CHECK(verdict(Ruling::holds, 0, 1.0).stands_widened());  // nothing was trained
-  CHECK_FALSE(verdict(Ruling::undecided, 10, 0.5).stands_widened());
-  CHECK_FALSE(verdict(Ruling::not_testable, 0, 1.0).stands_widened());
+TEST_CASE("a premise bears on the parts that speak of it, in its claims") {
+  const Paper& paper = paper_at("paper");
+  REQUIRE(paper.premises.size() == 1);
+  const PaperPremise& raac = paper.premises.front();
+
+  CHECK(raac.bears_on("C47", {"mean(score('raac', w)) > mean(score(a, w))", "a = ppo, w = tap", {}}));
+  CHECK(raac.bears_on("C66", {"mean(score('RAAC 0.3', r)) < 1", "", {}}));
+  CHECK(raac.bears_on("C42", {"mean(score('ppo-dr', w)) < mean(score(a, w))", "a = raac, w = tap", {}}));
+  CHECK_FALSE(raac.bears_on("C42", {"mean(score('ppo-dr', w)) < mean(score(a, w))", "a = rap, w = tap", {}}));
+  CHECK_FALSE(raac.bears_on("C50", {"mean(score('raac', w)) > 1", "", {}}));  // that is the quadrotor
+}
+
+TEST_CASE("a verdict is graded by its parts") {
+  CHECK(grade_of(Ruling::holds, 8, 8, 0) == Grade::shown);
+  CHECK(grade_of(Ruling::holds, 8, 8, 2) == Grade::shown);
+  CHECK(grade_of(Ruling::fails, 8, 7, 0) == Grade::refuted_in_part);
+  CHECK(grade_of(Ruling::fails, 8, 0, 0) == Grade::refuted);
+  CHECK(grade_of(Ruling::fails, 1, 0, 0) == Grade::refuted);
+  CHECK(grade_of(Ruling::undecided, 8, 7, 0) == Grade::open);
+  CHECK(grade_of(Ruling::not_testable, 0, 0, 3) == Grade::not_comparable);
+  CHECK(grade_of(Ruling::not_testable, 0, 0, 0) == Grade::not_testable);
+  CHECK(grade_name(Grade::refuted_in_part) == "refuted in part");
 }
 
 TEST_CASE("what is not known of a paper is an error with what is") {
