@@ -12,6 +12,7 @@ namespace gust {
 /// The reader opens no file; whoever does, looks in the folder of the ONNX file alone.
 using OnnxData = std::map<std::string, std::string>;
 
+inline constexpr std::size_t kOnnxBytes = std::size_t{64} << 20;       ///< largest ONNX file
 inline constexpr std::size_t kOnnxDataBytes = std::size_t{128} << 20;  ///< most bytes of all data files of a policy
 
 /// The data files that an ONNX file names, sorted and each once; none if the bytes are no ONNX file. An Error that

@@ -30,10 +30,7 @@ OnnxProgram OnnxLowering::program() {
 
 void OnnxLowering::lower_node() {
   const OnnxOperator* op = find_onnx_operator(node_->op);
-  if (op == nullptr && node_->op.starts_with("Random")) {
-    fail("samples at random; choose the output of the action without noise (output = \"NAME\", --output NAME)");
-  }
-  if (op == nullptr) fail("this operator is not supported; supported are " + onnx_operator_names());
+  if (op == nullptr) fail(onnx_way_out(node_->op));
   if (inputs() < op->least_inputs || inputs() > op->most_inputs) {
     fail(cat("has ", inputs(), " inputs; this operator takes ", op->least_inputs, " to ", op->most_inputs));
   }
@@ -123,7 +120,10 @@ OnnxValue OnnxLowering::constant(OnnxTensor tensor) {
 
 OnnxValue OnnxLowering::map(const OnnxValue& from, OnnxFunction function, float a, float b) {
   if (from.whole) fail("computes with integers that depend on the observation; cast them to float32 first");
-  return append_from(from, OnnxMap{.from = 0, .to = 0, .function = function, .a = a, .b = b}, from.dims);
+  OnnxValue result = append_from(from, OnnxMap{.from = 0, .to = 0, .function = function, .a = a, .b = b}, from.dims);
+  using enum OnnxFunction;
+  result.truth = function == kNot || function == kIsNan || function == kIsInf;
+  return result;
 }
 
 OnnxValue OnnxLowering::combine(OnnxArithmetic arithmetic, const OnnxValue& left, const OnnxValue& right) {
@@ -144,10 +144,14 @@ OnnxValue OnnxLowering::combine(OnnxArithmetic arithmetic, const OnnxValue& left
     apply(arithmetic, floats(a).data(), floats(b).data(), result);
     return constant({.dims = dims, .floats = std::move(result), .integers = {}});
   }
-  OnnxCombine step{.arithmetic = arithmetic, .left = operand(a), .right = operand(b), .to = add_buffer(dims)};
+  using enum OnnxArithmetic;
+  const bool bounds = arithmetic == kMin || arithmetic == kMax || arithmetic >= kGreater;
+  OnnxCombine step{
+      .arithmetic = arithmetic, .left = operand(a, bounds), .right = operand(b, bounds), .to = add_buffer(dims)};
   const std::size_t buffer = step.to;
   OnnxValue result = append(std::move(step), buffer, dims);
-  result.whole = integral && arithmetic < OnnxArithmetic::kGreater;
+  result.truth = arithmetic >= OnnxArithmetic::kGreater;
+  result.whole = integral && !result.truth;
   return result;
 }
 
@@ -182,11 +186,14 @@ OnnxValue OnnxLowering::choose(const OnnxValue& condition, const OnnxValue& left
     gust::choose(floats(values[0]).data(), floats(values[1]).data(), floats(values[2]).data(), result);
     return constant({.dims = dims, .floats = std::move(result), .integers = {}});
   }
-  OnnxChoose step{
-      .condition = operand(values[0]), .left = operand(values[1]), .right = operand(values[2]), .to = add_buffer(dims)};
+  OnnxChoose step{.condition = operand(values[0], true),
+                  .left = operand(values[1], true),
+                  .right = operand(values[2], true),
+                  .to = add_buffer(dims)};
   const std::size_t buffer = step.to;
   OnnxValue result = append(std::move(step), buffer, dims);
   result.whole = integral;
+  result.truth = left.is_truth() && right.is_truth();
   return result;
 }
 
@@ -271,6 +278,7 @@ OnnxValue OnnxLowering::pick(const OnnxValue& from, const std::vector<std::size_
     for (const std::size_t index : indices) sources.push_back({from.buffer, index});
     OnnxValue picked = pick_many(std::move(sources), std::move(dims));
     picked.whole = from.whole;
+    picked.truth = from.truth;
     return picked;
   }
   OnnxTensor tensor{.dims = std::move(dims), .floats = {}, .integers = {}, .integral = from.constant->integral};
@@ -290,6 +298,7 @@ OnnxValue OnnxLowering::filled(const OnnxValue& from) {
   const std::size_t buffer = add_buffer(from.dims);
   OnnxValue result = append(OnnxConstant{.to = buffer, .row = floats(numbers)}, buffer, from.dims);
   result.whole = from.integral();
+  result.truth = from.is_truth();
   return result;
 }
 
@@ -360,9 +369,9 @@ std::size_t OnnxLowering::add_buffer(const OnnxDims& dims) {
   return program_.add_buffer(width);
 }
 
-OnnxOperand OnnxLowering::operand(const OnnxValue& value) const {
+OnnxOperand OnnxLowering::operand(const OnnxValue& value, bool may_be_infinite) const {
   if (value.constant == nullptr) return {.buffer = value.buffer};
-  check_finite(floats(value));
+  if (!may_be_infinite) check_finite(floats(value));
   return {.buffer = 0, .row = floats(value)};
 }
 

@@ -24,8 +24,10 @@ struct OnnxValue {
   const OnnxTensor* constant = nullptr;  ///< lives as long as the lowering
   std::size_t buffer = 0;
   bool whole = false;  ///< a buffer of integers in the file, held as floats
+  bool truth = false;  ///< a buffer of truths in the file, held as 1 and 0
 
   bool integral() const { return constant != nullptr ? constant->integral : whole; }
+  bool is_truth() const { return constant != nullptr ? constant->truths : truth; }
 };
 
 /// How many numbers of a lane a dimension counts for: the batch is one.
@@ -133,7 +135,8 @@ class OnnxLowering {
   }
 
   std::size_t add_buffer(const OnnxDims& dims);
-  OnnxOperand operand(const OnnxValue& value) const;
+  /// What a step reads. A constant must be finite, unless it is no weight: one that bounds or replaces a number.
+  OnnxOperand operand(const OnnxValue& value, bool may_be_infinite) const;
   void check_finite(std::span<const float> numbers) const;
   const std::vector<float>& floats(const OnnxValue& value) const;
   void charge(std::size_t numbers);

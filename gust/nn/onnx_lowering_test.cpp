@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -79,12 +80,25 @@ TEST_CASE("weights that are not finite are refused where they are used") {
   CHECK(refusal(unused) == "");
 }
 
+TEST_CASE("an infinite constant may bound or replace a number, and is no weight") {
+  OnnxFixture file;
+  file.floats("low", {}, {-INFINITY});
+  file.floats("none", {}, {NAN});
+  file.node("Max", {"obs", "low"}, "bounded");
+  file.node("Greater", {"bounded", "low"}, "positive");
+  file.node("Where", {"positive", "bounded", "none"}, "action");
+  CHECK(act(file, {-1, 0, 1}) == std::vector<float>{-1, 0, 1});
+
+  file.graph().mutable_node(0)->set_op_type("Add");
+  CHECK(refusal(file).find("infinite or not a number") != std::string::npos);
+}
+
 TEST_CASE("an operator that is not supported is named with its node and what is supported") {
   OnnxFixture file;
-  file.node("Einsum", {"obs"}, "action");
+  file.node("TopK", {"obs"}, "action");
   const std::string message = refusal(file);
   CHECK(message.find(
-            "test.onnx: node 'the Einsum' of type 'Einsum': this operator is not supported; supported are Abs, ") == 0);
+            "test.onnx: node 'the TopK' of type 'TopK': this operator is not supported; supported are Abs, ") == 0);
 
   OnnxFixture foreign;
   foreign.node("Relu", {"obs"}, "action").set_domain("com.example");

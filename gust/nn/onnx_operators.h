@@ -20,9 +20,11 @@ struct OnnxOperator {
 
 inline constexpr std::size_t kAnyInputs = 1024;
 
-/// Operators that combine values number by number, that are functions of one number, that multiply matrices, that take
-/// numbers together, that select among them by ranges or by single indices, and that give values another shape.
+/// Operators that combine values number by number, that sum products by an equation, that are functions of one number,
+/// that multiply matrices, that take numbers together, that select among them by ranges or by single indices, and that
+/// give values another shape.
 std::span<const OnnxOperator> onnx_arithmetic_operators();
+std::span<const OnnxOperator> onnx_einsum_operators();
 std::span<const OnnxOperator> onnx_function_operators();
 std::span<const OnnxOperator> onnx_gather_operators();
 std::span<const OnnxOperator> onnx_product_operators();
@@ -32,6 +34,9 @@ std::span<const OnnxOperator> onnx_shape_operators();
 
 /// The operator of that name, or nullptr.
 const OnnxOperator* find_onnx_operator(std::string_view name);
+
+/// What is wrong with an operator that is not read, and what would be right.
+std::string onnx_way_out(std::string_view name);
 
 /// All names, in alphabetical order, with commas.
 std::string onnx_operator_names();

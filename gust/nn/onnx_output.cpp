@@ -21,7 +21,7 @@ std::string described(const onnx::ValueInfoProto& info) {
   std::vector<std::string> sizes;
   for (const auto& dim : info.type().tensor_type().shape().dim()) {
     if (sizes.size() > 8) break;
-    sizes.push_back(dim.has_dim_value() ? cat(dim.dim_value()) : "N");
+    sizes.push_back(dim.has_dim_value() ? cat(dim.dim_value()) : sizes.empty() ? "N" : "?");
   }
   return cat(onnx_quoted(info.name()), " [", join(sizes, ", "), "]");
 }

@@ -225,6 +225,12 @@ struct Storage {
   bool is_raw = false;
 };
 
+// Integers that hold weights only where a network is quantised.
+bool is_quantised(int data_type) {
+  return data_type == Tensor::INT8 || data_type == Tensor::UINT8 || data_type == Tensor::INT16 ||
+         data_type == Tensor::UINT16;
+}
+
 // The numbers of a tensor as To.
 template <class From, class To, class Field>
 std::vector<To> numbers(const Tensor& proto, const Field& field, const Storage& storage, std::string_view where) {
@@ -293,9 +299,11 @@ OnnxTensor read_onnx_tensor(const onnx::TensorProto& proto, std::string_view whe
       break;
     case Tensor::BOOL:
       tensor.integers = numbers<std::uint8_t, std::int64_t>(proto, proto.int32_data(), storage, where);
+      tensor.truths = true;
       break;
     default:
-      throw Error(cat(where, ": has the type ", onnx_type_name(proto.data_type()), "; save the policy as float32"));
+      throw Error(cat(where, ": has the type ", onnx_type_name(proto.data_type()), "; save the policy as float32",
+                      is_quantised(proto.data_type()) ? ", before it is quantised" : ""));
   }
   tensor.integral = true;
   return tensor;

@@ -12,8 +12,7 @@ namespace gust {
 
 // The messages of an ONNX file. What the readers hand on knows nothing of protobuf: only .cpp files include this.
 
-inline constexpr std::size_t kOnnxBytes = std::size_t{64} << 20;  ///< largest file
-inline constexpr std::size_t kOnnxFields = 500'000;               ///< most fields, numbers of float tensors not counted
+inline constexpr std::size_t kOnnxFields = 500'000;  ///< most fields, numbers of float tensors not counted
 
 /// The message in some bytes. An Error that starts with `name` for what is too large, has more fields than a network
 /// needs, or is no such message; memory stays within a small multiple of the size of the bytes.

@@ -62,6 +62,26 @@ void lower_reduce(OnnxLowering& at) {
   at.set_output(0, result);
 }
 
+/// The logarithm of a sum, or of a sum of powers of e; these are taken of the distance to the largest number, so that
+/// none overflows.
+template <bool of_powers>
+void lower_reduced_logarithm(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  const std::vector<std::size_t> axes = reduced_axes(at, from.dims.size());
+  if (axes.empty()) at.fail("names no axis; a logarithm of sums needs one");
+  OnnxValue result;
+  if (of_powers) {
+    const OnnxValue largest = at.reduce(OnnxReduction::kMax, from, axes);
+    const OnnxValue powers = at.map(at.combine(OnnxArithmetic::kSub, from, largest), OnnxFunction::kExp);
+    const OnnxValue logarithm = at.map(at.reduce(OnnxReduction::kSum, powers, axes), OnnxFunction::kLog);
+    result = at.combine(OnnxArithmetic::kAdd, logarithm, largest);
+  } else {
+    result = at.map(at.reduce(OnnxReduction::kSum, from, axes), OnnxFunction::kLog);
+  }
+  if (at.attribute("keepdims", std::int64_t{1}) == 0) result = without_axes(at, std::move(result), axes);
+  at.set_output(0, result);
+}
+
 /// The numbers from an axis on, which a normalisation takes together.
 std::size_t run_from(const OnnxLowering& at, const OnnxDims& dims, std::size_t axis) {
   const OnnxDims rest(dims.begin() + static_cast<std::ptrdiff_t>(axis), dims.end());
@@ -86,15 +106,15 @@ void lower_layer_normalization(OnnxLowering& at) {
   at.set_output(0, scaled_and_shifted(at, plain, &at.input(1), shift));
 }
 
-/// A number per channel, as a value that fits an input whose second axis are the channels.
+/// A number per channel, as a value that fits an input whose second axis are the channels. That axis may be the batch,
+/// as where Keras 2 normalises a layer; a constant is then the same for every lane.
 OnnxValue per_channel(OnnxLowering& at, std::size_t index, const OnnxDims& dims) {
   const OnnxValue& value = at.input(index);
-  if (value.constant == nullptr) at.fail("takes numbers that depend on the observation; they must be constant");
-  if (dims.size() < 2 || value.dims != OnnxDims{dims[1]}) {
-    at.fail("has numbers per channel that do not fit the second dimension of its input");
-  }
+  const bool fits = dims.size() > 1 && value.dims.size() == 1 &&
+                    (value.dims[0] == dims[1] || (value.constant != nullptr && value.dims[0] == lane_size(dims[1])));
+  if (!fits) at.fail("has numbers per channel that do not fit the second dimension of its input");
   OnnxDims wide(dims.size() - 1, 1);
-  wide[0] = dims[1];
+  wide[0] = value.dims[0];
   return at.reshaped(value, wide);
 }
 
@@ -124,6 +144,55 @@ void lower_instance_normalization(OnnxLowering& at) {
   at.set_output(0, scaled_and_shifted(at, plain, &scale, &shift));
 }
 
+/// Numbers that lie together in a group, of a value whose second axis are the channels.
+void lower_group_normalization(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  const std::int64_t groups = at.attribute("num_groups", std::int64_t{0});
+  if (from.dims.size() < 2 || groups < 1 || from.dims[1] < 1 || from.dims[1] % groups != 0) {
+    at.fail("has a number of groups that does not divide the channels of its input");
+  }
+  const std::size_t run = run_from(at, from.dims, 1) / static_cast<std::size_t>(groups);
+  const OnnxValue plain = at.normalise(from, run, at.attribute("epsilon", 1e-5f), /*centred=*/true);
+  OnnxDims per_group = from.dims;  // before opset 21 a scale belonged to a group
+  if (at.opset() < 21) per_group = {from.dims[0], groups, static_cast<std::int64_t>(run)};
+  const OnnxValue scale = per_channel(at, 1, per_group);
+  const OnnxValue shift = per_channel(at, 2, per_group);
+  OnnxValue result = scaled_and_shifted(at, at.reshaped(plain, per_group), &scale, &shift);
+  at.set_output(0, at.reshaped(std::move(result), from.dims));
+}
+
+/// Numbers along an axis divided by their length, or by the sum of their sizes. Zeros stay zeros, as in onnxruntime.
+OnnxValue scaled_to_one(OnnxLowering& at, const OnnxValue& from, std::size_t axis, OnnxReduction reduction) {
+  const OnnxValue length = at.reduce(reduction, from, {axis});
+  return at.combine(OnnxArithmetic::kDiv, from, at.choose(length, length, at.number(1.0f)));
+}
+
+void lower_lp_normalization(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  const std::size_t axis = at.axis(at.attribute("axis", std::int64_t{-1}), from.dims.size());
+  const std::int64_t power = at.attribute("p", std::int64_t{2});
+  if (power != 1 && power != 2) at.fail("has a power other than 1 and 2");
+  at.set_output(0, scaled_to_one(at, from, axis, power == 1 ? OnnxReduction::kSumOfSizes : OnnxReduction::kLength));
+}
+
+/// scikit-learn's Normalizer, along the last axis.
+void lower_normalizer(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  const std::string norm = at.attribute("norm", std::string("MAX"));
+  if (norm != "L1" && norm != "L2") at.fail("has a norm other than L1 and L2");
+  const std::size_t axis = at.axis(-1, from.dims.size());
+  at.set_output(0, scaled_to_one(at, from, axis, norm == "L1" ? OnnxReduction::kSumOfSizes : OnnxReduction::kLength));
+}
+
+/// The mean of every channel.
+void lower_global_average_pool(OnnxLowering& at) {
+  const OnnxValue from = at.input(0);
+  if (from.dims.size() < 3) at.fail("takes a value of three or more dimensions");
+  std::vector<std::size_t> axes(from.dims.size() - 2);
+  std::iota(axes.begin(), axes.end(), 2);
+  at.set_output(0, at.reduce(OnnxReduction::kMean, from, axes));
+}
+
 /// Before opset 13 it took all axes from the one that is named on; that is the same where this is the last.
 std::size_t softmax_axis(const OnnxLowering& at, const OnnxDims& dims) {
   const bool old = at.opset() < 13;
@@ -145,12 +214,17 @@ void lower_softmax(OnnxLowering& at) {
 
 constexpr OnnxOperator kReductions[] = {
     {"BatchNormalization", 5, 5, lower_batch_normalization},
+    {"GlobalAveragePool", 1, 1, lower_global_average_pool},
+    {"GroupNormalization", 3, 3, lower_group_normalization},
     {"InstanceNormalization", 3, 3, lower_instance_normalization},
     {"LayerNormalization", 2, 3, lower_layer_normalization<true>},
     {"LogSoftmax", 1, 1, lower_softmax<true>},
+    {"LpNormalization", 1, 1, lower_lp_normalization},
     {"RMSNormalization", 2, 2, lower_layer_normalization<false>},
     {"ReduceL1", 1, 2, lower_reduce<OnnxReduction::kSumOfSizes>},
     {"ReduceL2", 1, 2, lower_reduce<OnnxReduction::kLength>},
+    {"ReduceLogSum", 1, 2, lower_reduced_logarithm<false>},
+    {"ReduceLogSumExp", 1, 2, lower_reduced_logarithm<true>},
     {"ReduceMax", 1, 2, lower_reduce<OnnxReduction::kMax>},
     {"ReduceMean", 1, 2, lower_reduce<OnnxReduction::kMean>},
     {"ReduceMin", 1, 2, lower_reduce<OnnxReduction::kMin>},
@@ -158,6 +232,7 @@ constexpr OnnxOperator kReductions[] = {
     {"ReduceSum", 1, 2, lower_reduce<OnnxReduction::kSum>},
     {"ReduceSumSquare", 1, 2, lower_reduce<OnnxReduction::kSumOfSquares>},
     {"Softmax", 1, 1, lower_softmax<false>},
+    {"ai.onnx.ml.Normalizer", 1, 1, lower_normalizer},
 };
 
 }  // namespace

@@ -218,6 +218,7 @@ void lower_concat(OnnxLowering& at) {
   });
   OnnxValue result = at.pick_many(std::move(sources), joined.dims);
   result.whole = joined.parts[0]->whole;
+  result.truth = joined.parts[0]->truth;
   at.set_output(0, result);
 }
 

@@ -52,34 +52,38 @@ OnnxValue as_truths(OnnxLowering& at, OnnxValue value) {
   return at.map(at.map(value, OnnxFunction::kNot), OnnxFunction::kNot);
 }
 
-void lower_cast(OnnxLowering& at) {
-  constexpr std::int64_t kFloat = 1, kInt32 = 6, kInt64 = 7, kBool = 9, kDouble = 11;  // TensorProto.DataType
-  const std::int64_t to = at.attribute("to", std::int64_t{0});
-  OnnxValue value = at.input(0);
-  if (to == kFloat || to == kDouble) {
+/// What a value is cast to. Integers of any width are one kind, and floats of any width.
+enum class Kind { kFloats, kIntegers, kTruths };
+
+OnnxValue cast(OnnxLowering& at, OnnxValue value, Kind kind) {
+  if (kind == Kind::kTruths) return as_truths(at, value);
+  if (kind == Kind::kFloats) {
     value = at.as_floats(value);
-    value.whole = false;
-  } else if (to == kBool) {
-    value = as_truths(at, value);
-  } else if (to != kInt32 && to != kInt64) {
-    at.fail(cat("casts to type ", to, "; supported are float32 (1), int32 (6), int64 (7), bool (9) and float64 (11)"));
-  } else if (!value.integral() && value.constant != nullptr) {
-    value = as_integers(at, *value.constant);
+    value.whole = value.truth = false;
+  } else if (value.constant != nullptr) {
+    if (!value.integral()) value = as_integers(at, *value.constant);
   } else if (!value.integral()) {
     value = at.map(value, OnnxFunction::kTruncate);
     value.whole = true;
   }
-  at.set_output(0, value);
+  return value;
 }
 
-/// To the type of another value: floats, or integers.
+void lower_cast(OnnxLowering& at) {
+  constexpr std::int64_t kFloat = 1, kInt32 = 6, kInt64 = 7, kBool = 9, kDouble = 11;  // TensorProto.DataType
+  const std::int64_t to = at.attribute("to", std::int64_t{0});
+  const bool floats = to == kFloat || to == kDouble;
+  if (!floats && to != kBool && to != kInt32 && to != kInt64) {
+    at.fail(cat("casts to type ", to, "; supported are float32 (1), int32 (6), int64 (7), bool (9) and float64 (11)"));
+  }
+  at.set_output(0, cast(at, at.input(0), floats ? Kind::kFloats : to == kBool ? Kind::kTruths : Kind::kIntegers));
+}
+
+/// To the type of another value.
 void lower_cast_like(OnnxLowering& at) {
-  OnnxValue value = at.input(0);
-  if (value.integral() == at.input(1).integral()) return at.set_output(0, value);
-  if (at.input(1).integral()) at.fail("casts to the type of integers; only floats are supported");
-  value = at.as_floats(value);
-  value.whole = false;
-  at.set_output(0, value);
+  const OnnxValue& like = at.input(1);
+  const Kind kind = like.is_truth() ? Kind::kTruths : like.integral() ? Kind::kIntegers : Kind::kFloats;
+  at.set_output(0, cast(at, at.input(0), kind));
 }
 
 void lower_constant(OnnxLowering& at) {
@@ -146,17 +150,31 @@ void infer_size(const OnnxLowering& at, OnnxDims& dims, std::size_t begin, std::
   at.fail(cat("cannot give the ", count, " numbers of a lane the shape that it asks for"));
 }
 
+/// Which of the sizes of a target shape is the batch. As many numbers lie before it as in the input, so that the
+/// numbers of a lane stay together and in their order.
+std::size_t batch_place(const OnnxLowering& at, const OnnxDims& dims, std::int64_t outer) {
+  std::int64_t before = 1;
+  for (std::size_t i = 0; i < dims.size(); ++i) {
+    const bool may_be = dims[i] == kOnnxBatch || (dims[i] > 0 && dims[i] == at.fixed_batch());
+    if (before == outer && may_be) return i;
+    if (dims[i] < 1 || before > outer) break;
+    before *= static_cast<std::int64_t>(at.elements({dims[i]}));
+  }
+  at.fail("joins the batch with other dimensions; every lane must stay by itself");
+}
+
 void lower_reshape(OnnxLowering& at) {
   const OnnxValue& from = at.input(0);
   OnnxDims dims = with_copied_sizes(at, from.dims, at.integers(1, "shape"));
   if (dims.size() > static_cast<std::size_t>(kOnnxRank)) at.fail("asks for a shape of too many dimensions");
-  const auto count = static_cast<std::int64_t>(at.elements(from.dims));
-  const bool has_batch = batched(at, from.dims);
-  const bool keeps_batch =
-      has_batch && !dims.empty() && (dims[0] == kOnnxBatch || (dims[0] > 0 && dims[0] == at.fixed_batch()));
-  if (has_batch && !keeps_batch) at.fail("moves the batch away from the first dimension");
-  if (keeps_batch) dims[0] = kOnnxBatch;
-  infer_size(at, dims, keeps_batch ? 1 : 0, count);
+  const auto batch = std::find(from.dims.begin(), from.dims.end(), kOnnxBatch);
+  if (batch == from.dims.end()) {
+    infer_size(at, dims, 0, static_cast<std::int64_t>(at.elements(from.dims)));
+    return at.set_output(0, at.reshaped(from, dims));
+  }
+  const std::size_t place = batch_place(at, dims, product(from.dims.begin(), batch));
+  dims[place] = kOnnxBatch;
+  infer_size(at, dims, place + 1, product(batch, from.dims.end()));
   at.set_output(0, at.reshaped(from, dims));
 }
 
@@ -224,6 +242,27 @@ void lower_constant_of_shape(OnnxLowering& at) {
   at.set_output(0, at.constant(std::move(value)));
 }
 
+/// Integers from the first to the second, which is not among them; the third is the step. All three are constant.
+void lower_range(OnnxLowering& at) {
+  std::int64_t numbers[3] = {};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::vector<std::int64_t> integers = at.integers(i, "range");
+    if (integers.size() != 1) at.fail("takes a bound that is not one number");
+    numbers[i] = integers[0];
+  }
+  const auto [start, end, step] = numbers;
+  constexpr auto kMost = static_cast<std::int64_t>(kOnnxElements);
+  const auto is_moderate = [](std::int64_t number) { return number >= -kMost && number <= kMost; };
+  if (step == 0 || !std::all_of(std::begin(numbers), std::end(numbers), is_moderate)) {
+    at.fail(
+        cat("goes from ", start, " to ", end, " in steps of ", step, "; the limit is ", kMost, ", and no step is 0"));
+  }
+  OnnxTensor tensor{.dims = {}, .floats = {}, .integers = {}, .integral = true};
+  for (std::int64_t i = start; step > 0 ? i < end : i > end; i += step) tensor.integers.push_back(i);
+  tensor.dims = {static_cast<std::int64_t>(tensor.integers.size())};
+  at.set_output(0, at.constant(std::move(tensor)));
+}
+
 void lower_expand(OnnxLowering& at) {
   const OnnxValue& from = at.input(0);
   const OnnxDims target = from.constant != nullptr ? constant_dims(at, 1) : at.integers(1, "shape");
@@ -232,12 +271,13 @@ void lower_expand(OnnxLowering& at) {
 }
 
 constexpr OnnxOperator kShape[] = {
-    {"Cast", 1, 1, lower_cast},         {"CastLike", 2, 2, lower_cast_like},
-    {"Constant", 0, 0, lower_constant}, {"ConstantOfShape", 1, 1, lower_constant_of_shape},
-    {"Dropout", 1, 3, lower_dropout},   {"Expand", 2, 2, lower_expand},
-    {"Flatten", 1, 1, lower_flatten},   {"Identity", 1, 1, lower_identity},
-    {"Reshape", 2, 2, lower_reshape},   {"Shape", 1, 1, lower_shape},
-    {"Squeeze", 1, 2, lower_squeeze},   {"Unsqueeze", 1, 2, lower_unsqueeze},
+    {"Cast", 1, 1, lower_cast},           {"CastLike", 2, 2, lower_cast_like},
+    {"Constant", 0, 0, lower_constant},   {"ConstantOfShape", 1, 1, lower_constant_of_shape},
+    {"Dropout", 1, 3, lower_dropout},     {"Expand", 2, 2, lower_expand},
+    {"Flatten", 1, 1, lower_flatten},     {"Identity", 1, 1, lower_identity},
+    {"Range", 3, 3, lower_range},         {"Reshape", 2, 2, lower_reshape},
+    {"Shape", 1, 1, lower_shape},         {"Squeeze", 1, 2, lower_squeeze},
+    {"Unsqueeze", 1, 2, lower_unsqueeze},
 };
 
 }  // namespace

@@ -27,11 +27,12 @@ TEST_CASE("Reshape keeps the batch, however its size is written") {
   CHECK(act(reshaped({1, 2, 3}, {1, 6}), lane) == lane);
   CHECK(act(reshaped({1, 2, 3}, {1, -1}), lane) == lane);
   CHECK(act(reshaped({0, 1}, {-1}), {1, 2}) == std::vector<float>{1, 2});
+  CHECK(act(reshaped({0, 6}, {1, -1, 6, 1}), lane) == lane);
 }
 
 TEST_CASE("Reshape that moves numbers between lanes is refused") {
   CHECK(refusal(reshaped({0, 6}, {-1, 3})).find("cannot give the 6 numbers of a lane") != std::string::npos);
-  CHECK(refusal(reshaped({0, 6}, {6, -1})).find("moves the batch") != std::string::npos);
+  CHECK(refusal(reshaped({0, 6}, {6, -1})).find("joins the batch") != std::string::npos);
   CHECK(refusal(reshaped({0, 6}, {0, -1, -1})).find("a shape that is none") != std::string::npos);
   CHECK(refusal(reshaped({0, 6}, {0, 4, -1})).find("cannot give") != std::string::npos);
   CHECK(refusal(reshaped({0, 6}, {0, 0, 0})).find("does not have") != std::string::npos);

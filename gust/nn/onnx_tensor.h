@@ -11,8 +11,8 @@ inline constexpr std::size_t kOnnxElements = std::size_t{1} << 24;  ///< most nu
 inline constexpr std::size_t kOnnxWidth = std::size_t{1} << 18;  ///< most numbers in all intermediate values of a lane
 inline constexpr int kOnnxRank = 8;                              ///< most dimensions of a value
 
-/// The size that stands for the batch among the dimensions of a value that depends on the observation. It is always
-/// the first: every lane of a batch is a run of the network by itself.
+/// The size that stands for the batch among the dimensions of a value that depends on the observation. Every
+/// lane of a batch is a run of the network by itself.
 inline constexpr std::int64_t kOnnxBatch = -1;
 
 /// The sizes of a value, outermost first; none make a scalar.
@@ -25,6 +25,7 @@ struct OnnxTensor {
   std::vector<float> floats;
   std::vector<std::int64_t> integers;
   bool integral = false;
+  bool truths = false;  ///< integers that are 1 and 0
 
   std::size_t size() const { return integral ? integers.size() : floats.size(); }
 };

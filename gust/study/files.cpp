@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fnmatch.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -61,6 +62,10 @@ bool is_of_proc(const std::filesystem::path& path) {
 
 std::string read_file(const std::filesystem::path& path, std::size_t most) {
   const Descriptor file = open_file(path, O_RDONLY);
+  struct stat info {};
+  const auto too_long = [&] { return Error(cat(path.string(), ": cannot read: longer than ", most, " bytes")); };
+  const bool sized = ::fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0;
+  if (sized && static_cast<std::size_t>(info.st_size) > most) throw too_long();  // before memory is spent on it
   std::string bytes;
   while (true) {
     const std::size_t size = bytes.size();
@@ -69,7 +74,7 @@ std::string read_file(const std::filesystem::path& path, std::size_t most) {
     bytes.resize(size + (count > 0 ? static_cast<std::size_t>(count) : 0));
     if (count < 0 && errno != EINTR) throw file_error(path, "cannot read");
     if (count == 0) return bytes;
-    if (bytes.size() > most) throw Error(cat(path.string(), ": cannot read: longer than ", most, " bytes"));
+    if (bytes.size() > most) throw too_long();
   }
 }
 

@@ -110,7 +110,7 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
     std::vector<StudyPolicy::File> files;
     try {
       for (const fs::path& path : glob_files(base, pattern)) {
-        std::string bytes = read_file(path);
+        std::string bytes = read_policy_file(path);
         OnnxData data = read_onnx_data(path, bytes);
         files.push_back(
             {path.lexically_relative(base.empty() ? "." : base).string(), std::move(bytes), std::move(data)});

@@ -45,6 +45,10 @@ std::string read_beside(const fs::path& folder, const std::string& name, std::si
 
 }  // namespace
 
+std::string read_policy_file(const fs::path& path) {
+  return path.extension() == ".onnx" ? read_file(path, kOnnxBytes) : read_file(path);
+}
+
 OnnxData read_onnx_data(const fs::path& path, std::string_view bytes) {
   OnnxData data;
   if (path.extension() != ".onnx") return data;

@@ -1,5 +1,5 @@
-"""Every operator that gust reads agrees with onnxruntime to a millionth of the output's range, in the forms in which
-PyTorch's two exporters, tf2onnx, skl2onnx, Unity ML-Agents and Godot RL write it."""
+"""Every operator that gust reads agrees with onnxruntime to a millionth of the output's range; see test_onnx_sums.py for
+those of several inputs, test_onnx_exporters.py for graphs as exporters write them."""
 
 import numpy as np
 import onnx
@@ -98,6 +98,100 @@ def test_reductions_agree_with_onnxruntime(build, tmp_path, kind, opset):
                                          **({} if as_input else {"axes": [-1]})), axis=1)
 
     compare(build, tmp_path, between_layers(reduce, opset=opset, width=4))
+
+
+@pytest.mark.parametrize("opset", (11, 18))
+@pytest.mark.parametrize("keepdims", (0, 1))
+def test_logarithms_of_sums_agree_with_onnxruntime(build, tmp_path, opset, keepdims):
+    def reduce(g, x):
+        axis = ([g.integers(-1)], {}) if opset >= 18 else ([], {"axes": [-1]})
+        positive = g.op("Add", g.op("Abs", x), g.const(np.float32(0.1)))
+        large = g.op("Mul", x, g.const(np.float32(60)))
+        logarithms = [g.op(kind, value, *axis[0], keepdims=keepdims, **axis[1])
+                      for kind, value in (("ReduceLogSum", positive), ("ReduceLogSumExp", large))]
+        return g.op("Concat", *(g.op("Reshape", value, g.integers(-1, 1)) for value in logarithms), axis=1)
+
+    compare(build, tmp_path, between_layers(reduce, opset=opset, width=2))
+
+
+@pytest.mark.parametrize("p", (1, 2))
+@pytest.mark.parametrize("axis", (-1, 1, 2))
+def test_values_scaled_to_a_length_of_one_agree_with_onnxruntime(build, tmp_path, p, axis):
+    """Zeros stay zeros."""
+    def scale(g, x):
+        cube = g.op("Reshape", g.op("Mul", x, g.const(np.array([1, 1, 1, 0, 0, 0], np.float32))), g.integers(0, 2, 3))
+        return g.op("Reshape", g.op("LpNormalization", cube, axis=axis, p=p), g.integers(0, 6))
+
+    compare(build, tmp_path, between_layers(scale))
+
+
+@pytest.mark.parametrize("groups", (1, 2, 3, 6))
+def test_group_normalisation_agrees_with_onnxruntime(build, tmp_path, groups):
+    """Of opset 21, where scale and shift belong to a channel."""
+    compare(build, tmp_path, between_layers(lambda g, x: g.op(
+        "GroupNormalization", x, g.const(g.normal(6)), g.const(g.normal(6)), num_groups=groups, epsilon=0.5), opset=21))
+
+
+def test_group_normalisation_of_opset_18_scales_groups(build, tmp_path):
+    """Against NumPy."""
+    g = Graph(opset=18, seed=33)
+    weights, scale, shift, last = g.normal(4, 6), g.normal(3), g.normal(3), g.normal(6, 2)
+    plain = g.op("GroupNormalization", g.op("MatMul", "obs", g.const(weights)), g.const(scale), g.const(shift), num_groups=3)
+    onnx.save(g.model(g.op("MatMul", plain, g.const(last))), tmp_path / "model.onnx")
+    observations = np.random.default_rng(3).normal(size=(60, 4)).astype(np.float32)
+
+    ours, _ = run_gust(build, tmp_path / "model.onnx", observations)
+
+    x = (observations.astype(np.float64) @ weights).reshape(-1, 3, 2)
+    x = (x - x.mean(axis=2, keepdims=True)) / np.sqrt(x.var(axis=2, keepdims=True) + 1e-5)
+    exact = (x * scale[:, None] + shift[:, None]).reshape(-1, 6) @ last
+    assert np.abs(ours - exact).max() <= 1e-5 * np.ptp(exact)  # pairs: the difference of two floats over itself
+
+
+def test_means_of_channels_agree_with_onnxruntime(build, tmp_path):
+    def pool(g, x):
+        return g.op("Reshape", g.op("GlobalAveragePool", g.op("Reshape", x, g.integers(0, 2, 3))), g.integers(0, 2))
+
+    compare(build, tmp_path, between_layers(pool, width=2))
+
+
+@pytest.mark.parametrize("equation, shape", (
+    ("bi,ij->bj", (6, 5)), ("bi,ji->bj", (5, 6)), ("ij,bi->bj", (6, 5)), ("bi,ij", (6, 5)), ("bi,i->bi", (6,)),
+    ("b i , i j -> j b", (6, 5)), ("bi,->bi", ()), ("Bi,ijk->Bkj", (6, 2, 3)), ("bi,k->bik", (3,))))
+def test_sums_of_products_with_weights_agree_with_onnxruntime(build, tmp_path, equation, shape):
+    width = {"bi,->bi": 6, "bi,i->bi": 6, "Bi,ijk->Bkj": 6, "bi,k->bik": 18}.get(equation, 5)
+
+    def multiply(g, x):
+        weights = g.const(g.normal(*shape) if shape else np.float32(1.7))
+        terms = [weights, x] if equation.startswith("ij,") else [x, weights]
+        value = g.op("Einsum", *terms, equation=equation)
+        return g.op("Reshape", g.op("Transpose", value) if equation.endswith("j b") else value, g.integers(-1, width))
+
+    compare(build, tmp_path, between_layers(multiply, width=width))
+
+
+@pytest.mark.parametrize("equation, width", (
+    ("bij,bjk->bik", 4), ("bij,bkj->bki", 4), ("bij,bij->bi", 2), ("bij,bij->b", 1), ("bij,bkl->bikjl", 36),
+    ("bij,bkj->bk", 2)))
+def test_sums_of_products_of_values_agree_with_onnxruntime(build, tmp_path, equation, width):
+    def multiply(g, x):
+        left = g.op("Reshape", x, g.integers(0, 2, 3))
+        turned = equation.startswith("bij,bj")
+        right = g.op("Reshape", g.op("Sin", x), g.integers(0, 3, 2) if turned else g.integers(0, 2, 3))
+        return g.op("Reshape", g.op("Einsum", left, right, equation=equation), g.integers(-1, width))
+
+    compare(build, tmp_path, between_layers(multiply, width=width))
+
+
+@pytest.mark.parametrize("equation, width", (
+    ("bij->bji", 6), ("bij->bi", 2), ("bij->bj", 3), ("jbi->bij", 6), ("bij->b", 1)))
+def test_sums_of_one_value_agree_with_onnxruntime(build, tmp_path, equation, width):
+    def turn(g, x):
+        cube = g.op("Reshape", x, g.integers(0, 2, 3))
+        cube = g.op("Transpose", cube, perm=[2, 0, 1]) if equation.startswith("jb") else cube
+        return g.op("Reshape", g.op("Einsum", cube, equation=equation), g.integers(-1, width))
+
+    compare(build, tmp_path, between_layers(turn, width=width))
 
 
 @pytest.mark.parametrize("shift", (True, False))
@@ -207,6 +301,21 @@ def test_graphs_of_opset_9_are_read_as_unity_writes_them(build, tmp_path):
 
     session = onnxruntime.InferenceSession(tmp_path / "unity.onnx", providers=["CPUExecutionProvider"])
     theirs = session.run(["deterministic_continuous_actions"], {"obs": observations})[0]
+    assert np.abs(ours - theirs).max() <= 1e-6 * np.ptp(theirs)
+
+
+@pytest.mark.parametrize("norm", ("L1", "L2"))
+def test_normalised_observations_of_scikit_learn_are_read(build, tmp_path, norm):
+    g = Graph(seed=24)
+    scaled = g.op("Normalizer", g.op("Mul", "obs", g.const(np.float32(3))), domain="ai.onnx.ml", norm=norm)
+    model = g.model(g.op("MatMul", scaled, g.const(g.normal(4, 2))))
+    model.opset_import.append(helper.make_opsetid("ai.onnx.ml", 1))
+    onnx.save(model, tmp_path / "model.onnx")
+    observations = np.vstack([np.zeros(4), np.random.default_rng(5).normal(size=(50, 4))]).astype(np.float32)
+
+    ours, _ = run_gust(build, tmp_path / "model.onnx", observations)
+
+    theirs = run_onnxruntime(model, observations)
     assert np.abs(ours - theirs).max() <= 1e-6 * np.ptp(theirs)
 
 

@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "gust/cli/command.h"
-#include "gust/study/files.h"
 #include "gust/study/policy_files.h"
 
 namespace gust {
@@ -94,7 +93,7 @@ void check_options(const CLI::App& command, const EvalRequest& request) {
 EvalResult result_of(const EvalRequest& request) {
   if (!request.study.empty()) return {run_cell(request)};
   if (!request.has_file()) return run_eval(request, {});
-  const std::string bytes = read_file(request.policy);
+  const std::string bytes = read_policy_file(request.policy);
   return run_eval(request, bytes, read_onnx_data(request.policy, bytes));
 }
 
