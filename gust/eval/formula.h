@@ -38,6 +38,8 @@ struct FormulaList {
   std::vector<double> axis;
   std::vector<FormulaValue> added;
   std::vector<double> added_axis;
+  std::vector<FormulaValue> undisturbed;  ///< of a curve along levels the one value from which its margin falls
+  std::string no_margin;                  ///< why such a curve has no margin; empty if it may have one
 };
 
 /// What a part of a formula comes to.
@@ -62,7 +64,8 @@ class NotTestable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A place outside a curve: of data that are yet to come an Error, for its levels are known before.
+/// A place outside a curve, or a margin of levels that have none: of data that are yet to come an Error, for the levels
+/// are known before.
 class BeyondLevels : public NotTestable {
  public:
   using NotTestable::NotTestable;

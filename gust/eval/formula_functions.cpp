@@ -134,16 +134,19 @@ FormulaValue of_curve_rising(const FormulaValue& value, std::string_view what, F
 }
 
 /// A place on the axis of a curve, found by function(axis, values), which gives infinity where it lies beyond the last
-/// one: then it is known that it is at least there, or further where `beyond` says so.
+/// one: then it is known that it is at least there, or further where `beyond` says so. It may give bounds that begin at
+/// 0: then the place lies before the first one.
 template <class Function>
 FormulaValue place_on(const CurveArgument& curve, std::span<const Sampled> numbers, bool beyond, Function function) {
   const double last = curve.axis.back();
   const Bounds open(beyond ? std::nextafter(last, kInfinity) : last, kInfinity);
   Sampled found = combine(numbers, [&](Values values) -> Bounds {
-    const double place = function(Values(curve.axis), values);
-    return std::isinf(place) ? open : Bounds(place);
+    const Bounds place = function(Values(curve.axis), values);
+    return std::isinf(place.low) ? open : place;
   });
-  if (!found.upper.empty() && found.limit.empty()) found.limit = cat("the levels end at ", last);
+  const bool before = !found.bounds(0).exact() && found.bounds(0).low < curve.axis.front();
+  if (!found.upper.empty() && found.limit.empty())
+    found.limit = before ? cat("the levels begin at ", curve.axis.front()) : cat("the levels end at ", last);
   return {std::move(found)};
 }
 
@@ -180,7 +183,13 @@ FormulaValue area(const Arguments& arguments) {
     return sum / (x.back() - x.front());
   });
 }
+/// Refuses a curve along levels that has no margin.
+void check_has_margin(const FormulaList& list) {
+  if (!list.no_margin.empty()) throw BeyondLevels(cat("there is no margin: ", list.no_margin));
+}
 FormulaValue half(const Arguments& arguments) {
+  const FormulaList& list = arguments[0].as_list("half");
+  if (!list.axis.empty() && list.axis.front() < 0) check_has_margin(list);
   const CurveArgument curve = filled_curve_of(arguments[0], "half");
   return place_on(curve, curve.values, true, [](Values x, Values y) { return crossing(x, y, kHalfScore); });
 }
@@ -196,9 +205,18 @@ FormulaList with_added(const FormulaList& list) {
   return all;
 }
 FormulaValue margin_of(const Arguments& arguments) {
-  const FormulaValue all{with_added(arguments[0].as_list("margin"))};
+  const FormulaList& list = arguments[0].as_list("margin");
+  check_has_margin(list);
+  const FormulaValue all{with_added(list)};
   const CurveArgument curve = filled_curve_of(all, "margin");
-  return place_on(curve, curve.values, false, [](Values x, Values y) { return crossing(x, y, MarginRule{}); });
+  std::vector<Sampled> numbers = curve.values;
+  numbers.push_back(list.undisturbed.empty() ? curve.values.front() : list.undisturbed.front().as_number("margin"));
+  return place_on(curve, numbers, false, [](Values x, Values values) -> Bounds {
+    const Values y = values.first(x.size());
+    const double place = crossing(x, y, values.back(), MarginRule{});
+    return place == x.front() && place > 0 && y.front() < MarginRule{}.fraction * values.back() ? Bounds(0.0, place)
+                                                                                                : Bounds(place);
+  });
 }
 FormulaValue reach(const Arguments& arguments) {
   const CurveArgument curve = filled_curve_of(arguments[0], "reach");
@@ -303,8 +321,9 @@ constexpr FormulaFunction kFunctions[] = {
     {"half", "curve", "the first level with less than half of the first value; at least the last if there is none", 1,
      1, half},
     {"margin", "curve",
-     "the level at which it falls below 90 % of its first value, between levels; at least the last if it never does", 1,
-     1, margin_of},
+     "the level at which it falls below 90 % of the undisturbed score (of its first value, if it has none), between "
+     "levels; at least the last if it never does",
+     1, 1, margin_of},
     {"reach", "curve, bound", "the first place at which it is at least the bound; beyond the last if there is none", 2,
      2, reach},
     {"drop", "curve", "the greatest fall from one point to the next", 1, 1, drop},

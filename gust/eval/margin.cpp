@@ -78,6 +78,12 @@ double losing_share(const MarginCurve& curve, std::size_t level) {
   return squares > 0 ? sum * sum / (static_cast<double>(scores.size()) * squares) : 1.0;
 }
 
+/// Whether the second level is the smallest that is ever looked at above 0.
+bool is_smallest(const std::vector<double>& levels) {
+  constexpr double kRounded = 1.001;  // levels have four digits
+  return levels.front() == 0 && levels[1] <= kRounded * kSmallestLevel * levels.back();
+}
+
 /// A number of a margin; an infinite one is censored.
 std::string level_text(double level, double last) {
   return std::isinf(level) ? fmt::format("≥ {:.3g}", last) : fmt::format("{:.3g}", level);
@@ -92,15 +98,20 @@ void MarginCurve::add(double level, std::vector<double> scores_there) {
   levels.insert(at, level);
 }
 
-double crossing(std::span<const double> levels, std::span<const double> scores, const MarginRule& rule) {
-  if (!(scores.front() > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  const double threshold = rule.fraction * scores.front();
-  for (std::size_t i = 1; i < scores.size(); ++i) {
+double crossing(std::span<const double> levels, std::span<const double> scores, double undisturbed,
+                const MarginRule& rule) {
+  if (!(undisturbed > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  const double threshold = rule.fraction * undisturbed;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
     if (scores[i] >= threshold) continue;
-    if (!rule.interpolated) return levels[i];
+    if (!rule.interpolated || i == 0) return levels[i];
     return crossing_between(levels[i - 1], levels[i], scores[i - 1], scores[i], threshold);
   }
   return kInfinity;
+}
+
+double crossing(std::span<const double> levels, std::span<const double> scores, const MarginRule& rule) {
+  return crossing(levels, scores, scores.front(), rule);
 }
 
 bool falls_short(double nominal, double best, const MarginRule& rule) {
@@ -157,11 +168,11 @@ Margin margin(const MarginCurve& curve, const MarginRule& rule) {
   result.level.n = curve.scores.front().size();
   const std::size_t i = first_below(bands.value);
   result.censored = i == levels.size();
-  result.at_most = i == 0 && levels.front() > 0;
+  result.at_most = (i == 0 && levels.front() > 0) || (i == 1 && !result.censored && is_smallest(levels));
   if (result.censored) {
     result.level.estimate = result.last_level;
-  } else if (i == 0) {
-    result.level.estimate = levels.front();
+  } else if (i == 0 || result.at_most) {
+    result.level.estimate = levels[i];
   } else {
     result.level.estimate = rule.interpolated
                                 ? crossing_between(levels[i - 1], levels[i], bands.value[i - 1], bands.value[i], 0.0)
@@ -186,8 +197,9 @@ std::string margin_text(const Margin& margin) {
   const Interval& level = margin.level;
   if (std::isnan(level.estimate)) return "–";
   std::string estimate = level_text(margin.censored ? kInfinity : level.estimate, margin.last_level);
-  if (margin.at_most) return cat("≤ ", estimate);
-  const bool nothing_more = std::isnan(level.low) || (margin.censored && level.low == margin.last_level);
+  if (margin.at_most) estimate = cat("≤ ", estimate);
+  const bool nothing_more = std::isnan(level.low) || (margin.censored && level.low == margin.last_level) ||
+                            (margin.at_most && level.high <= level.estimate);
   if (nothing_more) return estimate;
   return cat(estimate, " [", level_text(level.low, margin.last_level), ", ", level_text(level.high, margin.last_level),
              "]");

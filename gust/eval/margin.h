@@ -30,6 +30,9 @@ struct MarginRule {
 /// L50 of the paper's claims: the smallest level of the grid with a score below half the nominal one.
 inline constexpr MarginRule kHalfScore{.fraction = 0.5, .interpolated = false};
 
+/// The smallest level that is looked at below a margin, as a share of the last level.
+inline constexpr double kSmallestLevel = 1e-6;
+
 /// What a margin is measured from: the scores of one policy along the levels of one disturbance, unit by unit (training
 /// seeds where there are several, else episodes), and the undisturbed scores of the same units.
 struct MarginCurve {
@@ -55,8 +58,10 @@ struct Margin {
   std::string reason = {};  ///< why there is none, or why it is 0
 };
 
-/// The level at which the scores of a curve fall below the rule's fraction of the first one; infinite if they never do,
-/// NaN if the first is not positive.
+/// The level at which the scores of a curve fall below the rule's fraction of the undisturbed one, by default the first
+/// of them; infinite if they never do, NaN if the undisturbed one is not positive.
+double crossing(std::span<const double> levels, std::span<const double> scores, double undisturbed,
+                const MarginRule& rule);
 double crossing(std::span<const double> levels, std::span<const double> scores, const MarginRule& rule);
 
 /// Whether a nominal score is below the rule's fraction of the best one. Its margin is then a fall from less, and says

@@ -72,6 +72,8 @@ class ClaimScores final : public FormulaData {
   /// One number a cell of a sweep.
   const std::vector<Sampled>& cells(const Place& place, const std::string& metric) const;
   std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;
+  /// Gives a curve along levels what its margin is measured from, or the reason why it has none.
+  void add_margin(const Place& place, const std::string& metric, FormulaList& curve) const;
   /// Gives a curve the values at the levels that its margin's trial looked at, if that is in the store.
   void add_levels(const Place& place, const std::string& metric, FormulaList& curve) const;
   /// The learning curves of a policy's seeds, all as long as the shortest.

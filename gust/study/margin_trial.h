@@ -37,6 +37,11 @@ class MarginScores {
   std::vector<std::string> obstacles_;  ///< by start
 };
 
+/// Why no policy has a margin along a sweep with these levels; empty if there may be one.
+std::string levels_obstacle(const Sweep& sweep);
+/// Why a policy has none of whose undisturbed episodes this share lasts to the end; empty if there may be one.
+std::string survival_obstacle(double share);
+
 /// Looks at more levels until no margin moves any more, from all starts at once, and stores the rows of all of them.
 Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,
                    ProgressSink& progress);
