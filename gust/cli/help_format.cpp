@@ -14,12 +14,18 @@ namespace {
 
 constexpr std::size_t kNames = 28;  // columns for the names of options and commands
 
-/// A text whose lines are wrapped, those of examples as command lines.
+/// A text whose lines are wrapped, those of examples as command lines, those of "  name   what it is" below the latter.
 std::string help_text(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);)
-    lines.push_back(line.starts_with("  ") ? wrapped_command(line, text_columns()) : wrapped(line, text_columns()));
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.starts_with("  "))
+      lines.push_back(wrapped(line, text_columns()));
+    else if (line.find("  ", 2) != line.npos)
+      lines.push_back(wrapped_item(line, text_columns()));
+    else
+      lines.push_back(wrapped_command(line, text_columns()));
+  }
   return join(lines, "\n");
 }
 
@@ -46,6 +52,19 @@ std::string wrapped_command(std::string_view line, std::size_t width) {
     room = width - 5;
   }
   return to.append(line);
+}
+
+std::string wrapped_item(std::string_view line, std::size_t width) {
+  constexpr std::size_t kLeast = 30;  // columns that are worth a column of their own
+  constexpr std::size_t kIndent = 6;
+  const std::size_t name_end = line.find("  ", line.find_first_not_of(' '));
+  const std::size_t begin = line.find_first_not_of(' ', name_end);
+  if (text_width(line) <= width || name_end == line.npos || begin == line.npos) return std::string(line);
+  const std::size_t column = text_width(line.substr(0, begin));
+  const std::string_view what = line.substr(begin);
+  if (column + kLeast <= width) return cat(line.substr(0, begin), wrapped(what, width - column, column));
+  return cat(line.substr(0, name_end), "\n", std::string(kIndent, ' '),
+             wrapped(what, width - std::min(width - 1, kIndent), kIndent));
 }
 
 HelpFormat::HelpFormat() {

@@ -12,6 +12,10 @@ std::size_t text_columns();
 /// An example of a command line, broken before options with the shell's "\\" where it is wider than `width` columns.
 std::string wrapped_command(std::string_view line, std::size_t width);
 
+/// A line "  name   what it is" in lines of at most `width` columns: what it is stays in its column, or stands below
+/// the name where that column is too narrow.
+std::string wrapped_item(std::string_view line, std::size_t width);
+
 /// How help looks: text and examples that are wrapped to the terminal.
 class HelpFormat final : public CLI::Formatter {
  public:

@@ -13,5 +13,15 @@ TEST_CASE("an example is broken before options, so that a shell reads the same c
   CHECK(wrapped_command("  gust preview studies/demo.toml", 10) == "  gust preview studies/demo.toml");
 }
 
+TEST_CASE("items of a list are wrapped in their column, or below their name where it is narrow") {
+  const std::string_view line = "  steps     control steps; the file has one record more than that";
+  CHECK(wrapped_item(line, 80) == line);
+  CHECK(wrapped_item(line, 45) == "  steps     control steps; the file has one\n            record more than that");
+  CHECK(wrapped_item(line, 40) == "  steps\n      control steps; the file has one\n      record more than that");
+  CHECK(wrapped_item("  obs0, …   what the controller saw, as it was", 40) ==
+        "  obs0, …\n      what the controller saw, as it was");
+  CHECK(wrapped_item("  one name that has no text beside it", 20) == "  one name that has no text beside it");
+}
+
 }  // namespace
 }  // namespace gust

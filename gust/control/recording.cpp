@@ -41,13 +41,6 @@ std::vector<std::string> action_columns(const std::string& name, const PlantSpec
   return names;
 }
 
-/// "f_x" for the force "fx".
-std::vector<std::string> force_columns(const std::string& prefix, const PlantSpec& spec) {
-  std::vector<std::string> names;
-  for (const Component& force : spec.force) names.push_back(cat(prefix, "_", force.name.substr(1)));
-  return names;
-}
-
 std::vector<std::string> state_columns(const PlantSpec& spec) {
   std::vector<std::string> names;
   for (const Component& state : spec.state) names.push_back(state.name);
@@ -185,6 +178,12 @@ std::string lines_of(std::span<const Meaning> meanings) {
 }
 
 }  // namespace
+
+std::vector<std::string> force_columns(const std::string& prefix, const PlantSpec& spec) {
+  std::vector<std::string> names;
+  for (const Component& force : spec.force) names.push_back(cat(prefix, "_", force.name.substr(1)));
+  return names;
+}
 
 bool Recording::has(std::string_view column) const {
   const std::string first = column.starts_with("a_") ? cat(column, "0") : std::string(column);

@@ -59,6 +59,9 @@ struct NamedBytes {
 /// needed and missing, misspelt, no number, or does not fit together.
 Recording read_recording(const NamedBytes& description, const NamedBytes& records);
 
+/// The columns of the external force, or of what else `prefix` names: "f_x" for the force "fx".
+std::vector<std::string> force_columns(const std::string& prefix, const PlantSpec& spec);
+
 /// The format as help text: every key of the JSON file and every column of the CSV file.
 std::string recording_format();
 

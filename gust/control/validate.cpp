@@ -260,8 +260,20 @@ std::string not_recorded(const Recording& recording, const JudgedParts& parts) {
   if (!parts.reward) names.emplace_back("reward");
   if (!parts.squared_error) names.emplace_back("sq_err");
   if (!parts.flags()) names.emplace_back("flags");
+  if (parts.flags() && !parts.out_of_bounds) names.emplace_back("out_of_bounds");
+  if (parts.flags() && !parts.done) names.emplace_back("done");
+  if (parts.flags() && !parts.time_limit) names.emplace_back("timelimit");
   if (recording.controller() && !parts.closed_loop) names.emplace_back("closed loop");
   return join(names, ", ");
+}
+
+std::string missing_forces(const Recording& recording) {
+  std::vector<std::string> missing;
+  for (const std::string& name : force_columns("f", recording.plant->spec())) {
+    if (!recording.has(name)) missing.push_back(name);
+  }
+  if (missing.empty()) return {};
+  return missing.size() == recording.plant->spec().force.size() ? "no force" : cat("no ", join(missing, ", "));
 }
 
 }  // namespace gust

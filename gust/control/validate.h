@@ -50,6 +50,9 @@ struct Validation {
 /// "reward, flags": what of a recording was not judged because its file has no columns for it; empty if all was.
 std::string not_recorded(const Recording& recording, const JudgedParts& parts);
 
+/// "no force", "no f_z": external forces that are not recorded; empty if all are.
+std::string missing_forces(const Recording& recording);
+
 /// Runs the model against the recording, as far as it goes. One step: from every recorded state with the recorded
 /// applied action and force, and once more through the closed loop's own order of disturbance, saturation, reward and
 /// failure. Closed loop, where the recorded controller can be run again: that controller on the model's own state with

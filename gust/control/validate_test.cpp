@@ -256,6 +256,11 @@ TEST_CASE("what a robot does not record is not judged, and said so") {
   CHECK(not_recorded(blind, validate(blind, {}).parts) == "applied, reward, sq_err, flags, closed loop");
   const Recording full = whole.read();
   CHECK(not_recorded(full, validate(full, {}).parts) == "");
+  const Recording fewer = without(whole, {"done", "f_z"}).read();
+  CHECK(not_recorded(fewer, validate(fewer, {}).parts) == "done");
+  CHECK(missing_forces(full) == "");
+  CHECK(missing_forces(fewer) == "no f_z");
+  CHECK(missing_forces(without(whole, {"f_x", "f_z"}).read()) == "no force");
 }
 
 TEST_CASE("each flag is judged where it is recorded") {

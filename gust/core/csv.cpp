@@ -91,6 +91,12 @@ void check_csv_header(std::string_view text, std::string_view name) {
     throw Error(cat(name, ":1:1: begins with a comment, ", line.substr(0, line.starts_with('/') ? 2 : 1),
                     "; the first line must be the names of the columns and nothing else"));
   }
+  if (line.starts_with("sep=")) {
+    throw Error(cat(name, ":1:1: begins with a line of Excel, ", line.substr(0, 5),
+                    "; the first line must be the names of the columns"));
+  }
+  if (line.size() < text.size() && text[line.size()] == '\r' && text.find('\n') == text.npos)
+    throw Error(cat(name, ":1:", line.size() + 1, ": lines end with a carriage return alone; save it with line feeds"));
   const std::vector<std::string> cells = split_text(line, ',');
   const auto number_or_blank = [](std::string_view cell) { return cell.empty() || is_number(cell); };
   if (std::ranges::any_of(cells, is_number) && std::ranges::all_of(cells, number_or_blank))

@@ -56,6 +56,11 @@ TEST_CASE("another separator, encoding, comment or header is told as what it is"
   wrong("a|b\n", "t.csv:1:2: cells are separated by | here: commas are needed");
   wrong("# run 5\na,b\n",
         "t.csv:1:1: begins with a comment, #; the first line must be the names of the columns and nothing else");
+  wrong("sep=,\na,b\n1,2\n",
+        "t.csv:1:1: begins with a line of Excel, sep=,; the first line must be the names of the columns");
+  wrong("sep=;\r\na;b\r\n",
+        "t.csv:1:1: begins with a line of Excel, sep=;; the first line must be the names of the columns");
+  wrong("a,b\r1,2\r", "t.csv:1:4: lines end with a carriage return alone; save it with line feeds");
   wrong("1.5,,2e3\n", "t.csv:1:1: the first line holds numbers; it must hold the names of the columns");
   wrong("a,b\n1,2\n# pause\n", "t.csv:3: 1 cells where the header has 2; comments are not read, leave them out");
   wrong("a,b\n1,5,2,5\n", "t.csv:2: 4 cells where the header has 2; are these decimal commas? numbers need points");

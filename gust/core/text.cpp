@@ -57,6 +57,8 @@ void append_wrapped(std::string& to, std::string_view line, std::size_t width, s
   to.append(line);
 }
 
+char lower(char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter; }
+
 }  // namespace
 
 std::string_view utf8_text(std::string_view bytes, std::string_view name) {
@@ -69,6 +71,9 @@ std::string_view utf8_text(std::string_view bytes, std::string_view name) {
 std::string nearest(std::string_view typed, std::span<const std::string> candidates) {
   constexpr std::size_t kLongestName = 64;  // nobody means a name by a text longer than this
   if (typed.empty() || typed.size() > kLongestName) return {};
+  for (const std::string& candidate : candidates) {
+    if (std::ranges::equal(typed, candidate, {}, lower, lower)) return candidate;
+  }
   const std::string* best = nullptr;
   std::size_t least = std::max<std::size_t>(1, typed.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
@@ -111,7 +116,7 @@ std::string slug(std::string_view text, std::size_t most) {
     if ((letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9')) {
       result += letter;
     } else if (letter >= 'A' && letter <= 'Z') {
-      result += static_cast<char>(letter - 'A' + 'a');
+      result += lower(letter);
     } else if (!result.empty() && result.back() != '-') {
       result += '-';
     }

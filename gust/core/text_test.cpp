@@ -21,6 +21,7 @@ TEST_CASE("the nearest name is the one with the fewest edits, if they are few en
   CHECK(nearest("tirangle", kWaves) == "triangle");
   CHECK(nearest("sin", kWaves) == "sine");
   CHECK(nearest("gaussian", kWaves) == "");
+  CHECK(nearest("x", std::vector<std::string>{"K", "T", "X"}) == "X");  // equal but for the case: the nearest
   CHECK(nearest("", kWaves) == "");
   CHECK(nearest("step", {}) == "");
 }

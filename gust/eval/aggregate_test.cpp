@@ -182,6 +182,23 @@ TEST_CASE("any statistic can be bootstrapped, and agrees with the fast way where
   }
 }
 
+TEST_CASE("the interval of very many episodes is that of the normal distribution, as it would be of single ones") {
+  Bootstrap bootstrap(Rng(14), 2'000);
+  std::vector<double> values;
+  for (std::uint64_t i = 0; i < 100'003; ++i) values.push_back(5.0 + Rng(15).normal(i));  // 13 a group, 7 left over
+  double sum = 0;
+  for (const double value : values) sum += value;
+
+  const Interval found = interval(cell_of(values, 1), Statistic::mean, bootstrap);
+
+  CHECK(found.estimate == doctest::Approx(sum / 100'003).epsilon(1e-12));  // the plain sum rounds 100,003 times
+  CHECK(found.n == 100'003);
+  CHECK(found.unit == Unit::episodes);
+  // 1.96 / sqrt(100,003); a percentile of 2000 resamples has a standard error of 3 % of that, and four of them
+  CHECK(found.high - found.estimate == doctest::Approx(0.0061979).epsilon(0.12));
+  CHECK(found.estimate - found.low == doctest::Approx(0.0061979).epsilon(0.12));
+}
+
 TEST_CASE("the performance profile is the share of runs above each threshold") {
   Bootstrap bootstrap(Rng(12));
   const std::vector<double> values = {0.1, 0.4, 0.4, 0.9};

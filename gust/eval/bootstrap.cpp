@@ -42,24 +42,32 @@ const Bootstrap::Times* Bootstrap::kept(std::span<const std::size_t> strata) {
   return &times;
 }
 
+std::size_t Bootstrap::group_size(std::size_t units) {
+  return units <= kMostGroups ? 1 : (units + kMostGroups - 1) / kMostGroups;
+}
+
 void Bootstrap::draw(std::span<const std::size_t> strata, std::size_t first, Rows<std::uint16_t> times) const {
   std::fill_n(times.data, times.rows * times.stride, std::uint16_t{0});
   std::size_t offset = 0;
   for (std::size_t stratum = 0; stratum < strata.size(); ++stratum) {
-    const std::size_t size = strata[stratum];
-    GUST_CHECK(size <=
-               0xffffffff);  // that a unit is drawn 65,536 times has a chance below 1e-280000, whatever the size
+    const std::size_t size = group_size(strata[stratum]);
+    const std::size_t groups = strata[stratum] / size;
     const Rng rng = rng_.split(stratum);
     for (std::size_t lane = 0; lane < times.lanes; ++lane) {
-      const std::size_t begin = (first + lane) * size;
+      const std::size_t begin = (first + lane) * groups;
       std::uint64_t random = rng.bits(begin / 2);
-      for (std::size_t i = begin; i < begin + size; ++i) {
+      for (std::size_t i = begin; i < begin + groups; ++i) {
         if (i % 2 == 0) random = rng.bits(i / 2);
         const std::uint64_t half = i % 2 == 0 ? random & 0xffffffff : random >> 32;
-        ++times.at(offset + (half * size >> 32), lane);  // one of `size` units, with a bias below size / 2^32
+        ++times.at(offset + size * (half * groups >> 32), lane);  // one of `groups`, with a bias below groups / 2^32
       }
     }
-    offset += size;
+    for (std::size_t unit = 0; unit < groups * size; ++unit) {
+      if (unit % size != 0) std::ranges::copy(times.row(offset + unit - unit % size), times.row(offset + unit).begin());
+    }
+    for (std::size_t unit = groups * size; unit < strata[stratum]; ++unit)
+      std::ranges::fill(times.row(offset + unit), std::uint16_t{1});
+    offset += strata[stratum];
   }
 }
 

@@ -22,13 +22,19 @@ double widened_tail(std::size_t units, double confidence = 0.95);
 /// The percentile bootstrap: which units are drawn in each resample, and the interval that follows.
 ///
 /// Units come in strata; a resample draws from each stratum, with replacement and independently, as many units as it
-/// has (rliable's stratified bootstrap). Equal strata always meet the same draws, whatever was asked before: so equal
-/// data give equal bits in any order of questions, and the draws of a common shape are made once. An object serves one
-/// thread.
+/// has (rliable's stratified bootstrap). Of more than kMostGroups units neighbours are drawn together, in groups of
+/// equal size, and the few that are left over stay: the spread of a mean is the same, and a cell of 600,000 episodes
+/// takes seconds. Equal strata always meet the same draws, whatever was asked before: so equal data give equal bits in
+/// any order of questions, and the draws of a common shape are made once. An object serves one thread.
 class Bootstrap {
  public:
-  static constexpr std::size_t kBlock = 512;      ///< most resamples that are looked at together
-  static constexpr std::size_t kLeastBlock = 16;  ///< and fewest, of many units
+  static constexpr std::size_t kBlock = 512;        ///< most resamples that are looked at together
+  static constexpr std::size_t kLeastBlock = 16;    ///< and fewest, of many units
+  static constexpr std::size_t kMostGroups = 8192;  ///< most units of a stratum that are drawn one by one
+
+  /// How many neighbours are drawn together where a stratum has that many units. Whoever averages them first asks for
+  /// as many strata as there are groups, and gets the same draws.
+  static std::size_t group_size(std::size_t units);
 
   explicit Bootstrap(Rng rng, std::size_t resamples = 10'000, double confidence = 0.95);
 

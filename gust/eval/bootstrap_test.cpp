@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -92,8 +93,33 @@ TEST_CASE("more units than 16 bits can count are drawn, in blocks of any size al
       none += count == 0 ? 1 : 0;
     }
     CHECK(sum == units);
-    CHECK(static_cast<double>(none) / units == doctest::Approx(0.36788).epsilon(0.01));  // 1 / e
+    CHECK(static_cast<double>(none) / units == doctest::Approx(0.36788).epsilon(0.05));  // 1 / e, of 8094 groups
   }
+}
+
+TEST_CASE("of very many units neighbours are drawn together, and a mean spreads as it would by single units") {
+  const std::size_t strata[] = {100'003, 8'192};  // 7692 groups of 13 and 7 units left over; single units
+  Bootstrap bootstrap(Rng(7), 1'000);
+  std::vector<double> means;
+  bool together = true, alone = false;
+
+  bootstrap.for_each_block(strata, [&](std::size_t, const Times& times) {
+    for (std::size_t k = 0; k < times.lanes; ++k) {
+      double sum = 0;
+      for (std::size_t i = 0; i < strata[0]; ++i) sum += times.at(i, k) * Rng(8).uniform(i);
+      means.push_back(sum / static_cast<double>(strata[0]));
+      together = together && times.at(13, k) == times.at(25, k) && times.at(100'002, k) == 1;
+      alone = alone || times.at(strata[0], k) != times.at(strata[0] + 1, k);
+    }
+  });
+
+  double mean = 0, squares = 0;
+  for (const double value : means) mean += value / static_cast<double>(means.size());
+  for (const double value : means) squares += (value - mean) * (value - mean);
+  CHECK(together);
+  CHECK(alone);
+  // sqrt(1 / 12 / 100,003), whose estimate from 1000 resamples has a standard error of 2.2 %, and four of them
+  CHECK(std::sqrt(squares / 1000.0) == doctest::Approx(0.00091286).epsilon(0.09));
 }
 
 TEST_CASE("a stratum is drawn alike whatever follows it, and in shapes too large to keep") {

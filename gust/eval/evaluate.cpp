@@ -151,6 +151,13 @@ StartProtocol nominal_start(const PlantSpec& spec) { return {"nominal", false, s
 StartProtocol random_starts() { return {"random", true, {}}; }
 
 std::string start_complaint(const StartProtocol& start, const PlantSpec& spec) {
+  for (std::size_t i = 0; start.random && i < spec.state.size(); ++i) {
+    const double middle = spec.start[i] + spec.start_offset[i], range = spec.start_range[i];
+    if (middle + range >= spec.fail_low[i] && middle - range <= spec.fail_high[i]) continue;
+    return fmt::format("random starts have {} = {:.4g} to {:.4g}, outside the safe set, {:.4g} to {:.4g} {}",
+                       spec.state[i].name, middle - range, middle + range, spec.fail_low[i], spec.fail_high[i],
+                       spec.state[i].unit);
+  }
   for (std::size_t i = 0; i < start.state.size(); ++i) {
     if (start.state[i] >= spec.fail_low[i] && start.state[i] <= spec.fail_high[i]) continue;
     return fmt::format(

@@ -76,7 +76,8 @@ class NotTestable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A place outside a curve: of data that are yet to come an Error, for its levels are known before.
+/// A place outside a curve, or a margin of levels that have none: of data that are yet to come an Error, for the levels
+/// are known before.
 class BeyondLevels : public NotTestable {
  public:
   using NotTestable::NotTestable;

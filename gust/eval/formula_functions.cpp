@@ -182,6 +182,10 @@ FormulaValue area(const Arguments& arguments) {
     return sum / (x.back() - x.front());
   });
 }
+/// Refuses a curve along levels that has no margin.
+void check_has_margin(const FormulaList& list) {
+  if (!list.no_margin.empty()) throw BeyondLevels(cat("there is no margin: ", list.no_margin));
+}
 /// Where a curve falls below a fraction of the undisturbed score.
 FormulaValue fall_of(const FormulaList& list, const CurveArgument& curve, const MarginRule& rule) {
   const Sampled& undisturbed = list.undisturbed ? *list.undisturbed : curve.values.front();
@@ -189,7 +193,9 @@ FormulaValue fall_of(const FormulaList& list, const CurveArgument& curve, const 
                   [&](Values x, Values y, double reference) { return crossing(x, y, reference, rule); });
 }
 FormulaValue half(const Arguments& arguments) {
-  return fall_of(arguments[0].as_list("half"), filled_curve_of(arguments[0], "half"), kHalfScore);
+  const FormulaList& list = arguments[0].as_list("half");
+  if (!list.axis.empty() && list.axis.front() < 0) check_has_margin(list);
+  return fall_of(list, filled_curve_of(arguments[0], "half"), kHalfScore);
 }
 /// A curve with the values at levels that its margin asked for, in their places.
 FormulaList with_added(const FormulaList& list) {
@@ -204,7 +210,7 @@ FormulaList with_added(const FormulaList& list) {
 }
 FormulaValue margin_of(const Arguments& arguments) {
   const FormulaList& list = arguments[0].as_list("margin");
-  if (!list.no_margin.empty()) throw NotTestable(cat("there is no margin: ", list.no_margin));
+  check_has_margin(list);
   const FormulaValue all{with_added(list)};
   return fall_of(list, filled_curve_of(all, "margin"), MarginRule{});
 }
@@ -306,11 +312,15 @@ constexpr FormulaFunction kFunctions[] = {
     {"levels", "curve", "where its values stand: levels, or steps", 1, 1, levels},
     {"at", "curve, place", "its value there, straight between two points", 2, 2, at},
     {"area", "curve", "the area under it over its width: the mean value", 1, 1, area},
-    {"half", "curve", "the first level with less than half of the first value; at least the last if there is none", 1,
-     1, half},
+    {"half", "curve",
+     "the first level with less than half of the undisturbed score (of its first value, if it has none); beyond the "
+     "last "
+     "if there is none",
+     1, 1, half},
     {"margin", "curve",
-     "the level at which it falls below 90 % of its first value, between levels; at least the last if it never does", 1,
-     1, margin_of},
+     "the level at which it falls below 90 % of the undisturbed score (of its first value, if it has none), between "
+     "levels; at least the last if it never does",
+     1, 1, margin_of},
     {"reach", "curve, bound", "the first place at which it is at least the bound; beyond the last if there is none", 2,
      2, reach},
     {"drop", "curve", "the greatest fall from one point to the next", 1, 1, drop},

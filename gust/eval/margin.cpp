@@ -78,6 +78,12 @@ double losing_share(const MarginCurve& curve, std::size_t level) {
   return squares > 0 ? sum * sum / (static_cast<double>(scores.size()) * squares) : 1.0;
 }
 
+/// Whether the second level is the smallest that is ever looked at above 0.
+bool is_smallest(std::span<const double> levels) {
+  constexpr double kRounded = 1.001;  // levels have four digits
+  return levels.front() == 0 && levels[1] <= kRounded * kSmallestLevel * levels.back();
+}
+
 /// A number of a margin; an infinite one is censored.
 std::string level_text(double level, double last) {
   return std::isinf(level) ? fmt::format("≥ {:.3g}", last) : fmt::format("{:.3g}", level);
@@ -100,6 +106,7 @@ Bounds crossing(std::span<const double> levels, std::span<const double> scores, 
     if (scores[i] >= threshold) continue;
     if (!rule.interpolated) return levels[i];
     if (i == 0) return {std::min(0.0, levels.front()), levels.front()};
+    if (i == 1 && is_smallest(levels)) return {0.0, levels[1]};
     return crossing_between(levels[i - 1], levels[i], scores[i - 1], scores[i], threshold);
   }
   return {levels.back(), kInfinity};
@@ -159,11 +166,11 @@ Margin margin(const MarginCurve& curve, const MarginRule& rule) {
   result.level.n = curve.scores.front().size();
   const std::size_t i = first_below(bands.value);
   result.censored = i == levels.size();
-  result.at_most = i == 0 && levels.front() > 0;
+  result.at_most = (i == 0 && levels.front() > 0) || (i == 1 && !result.censored && is_smallest(levels));
   if (result.censored) {
     result.level.estimate = result.last_level;
-  } else if (i == 0) {
-    result.level.estimate = levels.front();
+  } else if (i == 0 || result.at_most) {
+    result.level.estimate = levels[i];
   } else {
     result.level.estimate = rule.interpolated
                                 ? crossing_between(levels[i - 1], levels[i], bands.value[i - 1], bands.value[i], 0.0)
@@ -188,8 +195,9 @@ std::string margin_text(const Margin& margin) {
   const Interval& level = margin.level;
   if (std::isnan(level.estimate)) return "–";
   std::string estimate = level_text(margin.censored ? kInfinity : level.estimate, margin.last_level);
-  if (margin.at_most) return cat("≤ ", estimate);
-  const bool nothing_more = std::isnan(level.low) || (margin.censored && level.low == margin.last_level);
+  if (margin.at_most) estimate = cat("≤ ", estimate);
+  const bool nothing_more = std::isnan(level.low) || (margin.censored && level.low == margin.last_level) ||
+                            (margin.at_most && level.high <= level.estimate);
   if (nothing_more) return estimate;
   return cat(estimate, " [", level_text(level.low, margin.last_level), ", ", level_text(level.high, margin.last_level),
              "]");

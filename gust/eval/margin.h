@@ -31,6 +31,9 @@ struct MarginRule {
 /// L50 of the paper's claims: the smallest level of the grid with a score below half the nominal one.
 inline constexpr MarginRule kHalfScore{.fraction = 0.5, .interpolated = false};
 
+/// The smallest level that is looked at below a margin, as a share of the last level.
+inline constexpr double kSmallestLevel = 1e-6;
+
 /// What a margin is measured from: the scores of one policy along the levels of one disturbance, unit by unit (training
 /// seeds where there are several, else episodes), and the undisturbed scores of the same units.
 struct MarginCurve {

@@ -10,7 +10,6 @@ namespace {
 constexpr double kWidestStep = 1.25;     // from one level to the next, below the crossings
 constexpr double kStep = 1.24;           // of the scan: rounding may not widen a step beyond kWidestStep
 constexpr double kFloor = 1e-2;          // of the lowest crossing: where the scan begins
-constexpr double kSmallest = 1e-6;       // of the last level: where it gives up
 constexpr std::size_t kMostBetween = 9;  // new levels in one gap at a time
 
 /// To four significant digits: levels that people can read.
@@ -91,7 +90,7 @@ double smallest_margin(const std::vector<double>& levels, const Crossing& crossi
 double scan_floor(const std::vector<double>& levels, const Crossing& lowest, double last) {
   if (!lowest.found) return kFloor * last;
   const double level = levels[lowest.at];
-  return std::max(kFloor * level, kSmallest * last);
+  return std::max(kFloor * level, kSmallestLevel * last);
 }
 
 }  // namespace

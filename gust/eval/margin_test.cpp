@@ -94,6 +94,19 @@ TEST_CASE("a margin beyond the levels is at least the last one, below them at mo
   CHECK(margin_text(below) == "≤ 0.5");
 }
 
+TEST_CASE("a score that has fallen at a millionth of the last level has a margin of at most that") {
+  const Margin fallen = margin({{0.0, 2e-6, 2.0}, {{1.0}, {0.1}, {0.0}}, {1.0}, Unit::none});
+  CHECK(fallen.at_most);
+  CHECK(fallen.level.estimate == 2e-6);
+  CHECK(margin_text(fallen) == "≤ 2e-06");
+
+  const Margin some = margin({{0.0, 2e-6, 2.0}, {{1, 1, 1}, {1, 1, 0}, {1, 1, 0}}, {1, 1, 1}, Unit::seeds});
+  CHECK(some.at_most);
+  CHECK(margin_text(some) == "≤ 2e-06 [0, ≥ 2]");
+
+  CHECK_FALSE(margin({{0.0, 3e-6, 2.0}, {{1.0}, {0.1}, {0.0}}, {1.0}, Unit::none}).at_most);
+}
+
 TEST_CASE("what has lost a tenth before the level grows has the margin 0") {
   const MarginCurve curve{{0.0, 1.0}, {{0.5, 0.6}, {0.5, 0.6}}, {1.0, 1.0}, Unit::seeds};
 

@@ -150,8 +150,9 @@ TEST_CASE("the page and the text of a reproduction hold its figures and claims, 
 
   const std::string text = reproduction_text(results, "gust reproduce paper");
   CHECK(text.find("| C6: On the dynamics") != std::string::npos);
-  CHECK(text.find("- It is refuted over all seeds, though single trainings of ours show it in 10 to 90 % of draws. 1 claim: "
-                  "C7.\n") != std::string::npos);
+  CHECK(text.find(
+            "- It is refuted over all seeds, though single trainings of ours show it in 10 to 90 % of draws. 1 claim: "
+            "C7.\n") != std::string::npos);
   CHECK(text.find("- It is open, and one training of each policy would show it in 10 to 90 % of draws. 1 claim: "
                   "C8.\n") != std::string::npos);
   CHECK(text.find("| **shown** | 0.5 [0.25, 0.75] | – | 25 % | refuted: scg-default |") != std::string::npos);

@@ -227,11 +227,7 @@ FormulaValue ClaimScores::score(const std::string& metric, const Arguments& argu
   if (axes.size() == 1) {
     if (arguments.size() == 3) throw Error("a curve has one axis; its value at a level is at(score(…), level)");
     FormulaList curve = listed(levels_of(sweep, 0), all);
-    if (sweep.along_levels()) {
-      curve.undisturbed = undisturbed(place, metric);
-      curve.no_margin = margin_obstacle(place);
-      add_levels(place, metric, curve);
-    }
+    if (sweep.along_levels()) add_margin(place, metric, curve);
     return {std::move(curve)};
   }
   if (arguments.size() < 3) return {listed({}, all)};
@@ -262,26 +258,25 @@ const std::vector<Sampled>& ClaimScores::cells(const Place& place, const std::st
   return known != known_.end() ? known->second : known_.emplace(key, read_cells(place, metric)).first->second;
 }
 
-Sampled ClaimScores::undisturbed(const Place& place, const std::string& metric) const {
-  const Study& study = *place.source->study;
-  const Sampled& score = cells({place.source, place.policy, Trial::kNominal}, metric).front();
-  const bool one_episode = place.source->store != nullptr && score.n < 2 &&
-                           episodes_repeat(study, Trial::kNominal, index_of(study.starts, view_.start));
-  return one_episode ? Sampled::constant(score.estimate()) : score;
-}
-
-std::string ClaimScores::margin_obstacle(const Place& place) const {
-  const Study& study = *place.source->study;
-  if (place.source->store == nullptr) return "";
-  std::vector<std::string> missing;
-  for (TrialGroup group : trial_groups(*place.source->plan)) {
-    if (group.policy != place.policy || group.sweep != Trial::kNominal) continue;
-    keep_in_order(place, group.trials);
-    MemberRows rows(*place.source->plan, group, *place.source->store, missing);
-    const std::size_t start = index_of(study.starts, view_.start);
-    if (rows.members() > 0 && rows.next()) return gust::margin_obstacle(study, place.sweep, rows, start);
+void ClaimScores::add_margin(const Place& place, const std::string& metric, FormulaList& curve) const {
+  const Sweep& sweep = place.source->study->sweeps[place.sweep];
+  curve.no_margin = levels_obstacle(sweep);
+  if (!curve.no_margin.empty() || place.source->store == nullptr) return;
+  const Place nominal{place.source, place.policy, Trial::kNominal};
+  try {
+    curve.no_margin = survival_obstacle(cells(nominal, "survival").front().estimate());
+    Sampled undisturbed = cells(nominal, metric).front();
+    if (undisturbed.n < 2) undisturbed = Sampled::constant(undisturbed.estimate());  // one episode, from a fixed start
+    curve.undisturbed = std::move(undisturbed);
+  } catch (const NotTestable& missing) {
+    curve.no_margin = missing.what();
+    return;
   }
-  return "";
+  if (sweep.disturbed.empty() && sweep.parameters.empty()) {
+    curve.added = {{*curve.undisturbed}};
+    curve.added_axis = {0.0};
+  }
+  add_levels(place, metric, curve);
 }
 
 void ClaimScores::add_levels(const Place& place, const std::string& metric, FormulaList& curve) const {
@@ -295,14 +290,12 @@ void ClaimScores::add_levels(const Place& place, const std::string& metric, Form
   const std::size_t start = index_of(source.study->starts, view_.start);
   if (!stored || margin->inputs.size() != 2 * members(place).size()) return;  // it is that of other members
   const bool repeats = episodes_repeat(*source.study, place.sweep, start);
-  std::vector<Sampled> added;
   for_each_margin_level(*stored, [&](double level, const MemberRows& rows) {
     if (!rows.has(metric) || level >= curve.axis.back()) return;
     const Matrix<double> values = rows.values(start, metric, repeats);
-    added.push_back(sampled(place, unit_values(values.view()), over_units(place)));
+    curve.added.push_back({sampled(place, unit_values(values.view()), over_units(place))});
     curve.added_axis.push_back(level);
   });
-  curve.added = listed({}, added).items;
 }
 
 std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::string& metric) const {

@@ -75,12 +75,10 @@ class ClaimScores final : public FormulaData {
   /// One number a cell of a sweep.
   const std::vector<Sampled>& cells(const Place& place, const std::string& metric) const;
   std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;
+  /// Gives a curve along levels what its margin is measured from, or the reason why it has none.
+  void add_margin(const Place& place, const std::string& metric, FormulaList& curve) const;
   /// Gives a curve the values at the levels that its margin's trial looked at, if that is in the store.
   void add_levels(const Place& place, const std::string& metric, FormulaList& curve) const;
-  /// The undisturbed score of a policy; a constant where all episodes of one policy are the same one.
-  Sampled undisturbed(const Place& place, const std::string& metric) const;
-  /// Why a policy has no margin along a sweep, from its undisturbed rows; empty if it may have one.
-  std::string margin_obstacle(const Place& place) const;
   /// The learning curves of a policy's seeds, all as long as the shortest.
   std::vector<std::vector<CurvePoint>> curves(const Place& place) const;
   /// The members of a policy that count, in the order of their seeds.

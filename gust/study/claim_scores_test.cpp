@@ -310,3 +310,51 @@ TEST_CASE("what is wrong with a formula is said when the study is read") {
         std::string::npos);
   CHECK(problem_of("[names]\nx = true\n" + formula("1 > 0")).find("a name") != std::string::npos);
 }
+
+TEST_CASE("margin() in a claim is the margin of the table, or not testable where the table has none") {
+  const RunStudy run("gust-claims-margins", R"(
+[[sweep]]
+name = "windy"
+site = "action"
+waveform = { kind = "step", offset = 2 }
+levels = [0, 5, 30]
+disturb = [{ site = "dynamics", waveform = "step", channels = ["fx"], level = 0.2 }]
+[[sweep]]
+name = "high"
+site = "action"
+waveform = { kind = "step", offset = 2 }
+levels = [25, 30]
+[[claim]]
+id = "fails undisturbed"
+start = "random"
+holds = "margin(score('nothing', 'push')) >= 0.001"
+[[claim]]
+id = "wind"
+holds = "margin(score('lqr', 'windy')) == 0"
+[[claim]]
+id = "above 0"
+holds = "margin(score('lqr', 'high')) < 25"
+)");
+
+  const auto finding = [&](std::size_t claim) -> const Finding& { return run.summary.claims[claim].finding; };
+  CHECK(finding(0).verdict.ruling == Ruling::not_testable);
+  CHECK(finding(0).verdict.reason == "there is no margin: it fails undisturbed: 0 % of the episodes last to the end");
+  CHECK(finding(1).measured.estimate == 0.0);
+  CHECK(finding(1).measured.estimate == run.summary.find(0, 2, 1)->margin.level.estimate);
+  CHECK(finding(2).verdict.ruling == Ruling::holds);
+  CHECK(finding(2).measured.estimate ==
+        doctest::Approx(run.summary.find(0, 3, 1)->margin.level.estimate).epsilon(1e-12));
+}
+
+TEST_CASE("a claim about the margin of levels on both sides of 0, or of one level, is refused before any work") {
+  const auto problem = [](const std::string& levels, const std::string& holds) {
+    return problem_of("[[sweep]]\nname = \"odd\"\nsite = \"action\"\nwaveform = \"step\"\nlevels = " + levels + "\n" +
+                      formula(holds));
+  };
+
+  CHECK(problem("[-5, 5]", "margin(score('lqr', 'odd')) >= 5").find("both sides of 0") != std::string::npos);
+  CHECK(problem("[-5, 5]", "half(score('lqr', 'odd')) >= 5").find("both sides of 0") != std::string::npos);
+  CHECK(problem("[5]", "margin(score('lqr', 'odd')) >= 5").find("one level") != std::string::npos);
+  CHECK(problem("[-5, 5]", "area(score('lqr', 'odd')) >= 0") == "");
+  CHECK(problem("[0, 5]", "margin(score('lqr', 'odd')) >= 5") == "");
+}

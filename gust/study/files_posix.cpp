@@ -47,7 +47,8 @@ void sync_file(const Descriptor& file, const std::filesystem::path& path) {
 }
 
 void sync_folder(const std::filesystem::path& folder) {
-  sync_file(open_file(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY), folder);
+  const std::filesystem::path named = folder.empty() ? "." : folder;
+  sync_file(open_file(named, O_RDONLY | O_DIRECTORY), named);
 }
 
 void make_folders(const std::filesystem::path& folder) {

@@ -157,13 +157,22 @@ Margin MarginScores::margin(std::size_t start) const {
 }
 
 std::string margin_obstacle(const Study& study, std::size_t sweep, const MemberRows& rows, std::size_t start) {
-  if (study.sweeps[sweep].axes.front().values.front() < 0)
-    return "its levels lie on both sides of 0 or below it; sweep each side from 0 (the factors of 'channels' turn the "
-           "sign)";
+  if (const std::string reason = levels_obstacle(study.sweeps[sweep]); !reason.empty()) return reason;
   if (!rows.has(study.metric_set.name(margin_metric(study)))) return "not measured";
   if (!rows.has("survival")) return "";
   const Matrix<double> survived = rows.values(start, "survival", episodes_repeat(study, Trial::kNominal, start));
-  const double share = mean(margin_scores(survived.view()));
+  return survival_obstacle(mean(margin_scores(survived.view())));
+}
+
+std::string levels_obstacle(const Sweep& sweep) {
+  const std::vector<double>& levels = sweep.axes.front().values;  // of "auto" none before they are found
+  if (levels.size() == 1) return "it has one level; a margin needs two";
+  if (levels.empty() || levels.front() >= 0) return "";
+  return "its levels lie on both sides of 0 or below it; sweep each side from 0 (the factors of 'channels' turn the "
+         "sign)";
+}
+
+std::string survival_obstacle(double share) {
   if (share >= 0.5) return "";
   return format("it fails undisturbed: {:.3g} % of the episodes last to the end", 100 * share);
 }

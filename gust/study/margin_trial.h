@@ -36,6 +36,10 @@ class MarginScores {
 /// Why there is no margin along a sweep from a start whatever its levels show, from the cell at hand of the undisturbed
 /// rows; empty if there may be one.
 std::string margin_obstacle(const Study& study, std::size_t sweep, const MemberRows& undisturbed, std::size_t start);
+/// Why no policy has a margin along a sweep with these levels; empty if there may be one.
+std::string levels_obstacle(const Sweep& sweep);
+/// Why a policy has none of whose undisturbed episodes this share lasts to the end; empty if there may be one.
+std::string survival_obstacle(double share);
 
 /// Looks at more levels until no margin moves any more, from all starts at once, and stores the rows of all of them.
 Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,

@@ -250,6 +250,10 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
   for (const char* metric : {"anr_h", "anr", "survival", "rmse_paper"})
     study.metrics.push_back(study.metric_set.index(metric, {}));
   if (const Value* evaluate = table.find("evaluate")) parse_evaluate(evaluate->as_table("evaluate"), study);
+  for (const StartProtocol& start : study.starts) {  // those of the study are checked: the plant's own
+    if (const std::string complaint = start_complaint(start, spec); !complaint.empty())
+      throw error_at(table.find("plant")->place, "start: ", complaint);
+  }
   for (const Table* policy : tables_of(table, "policy")) {
     StudyPolicy parsed = parse_policy(*policy, study, keep);
     check_new_name(study.policies, parsed.name, policy->find("name")->place, "policy");

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "gust/core/text.h"
+#include "gust/study/margin_trial.h"
 #include "gust/study/summary.h"
 
 namespace gust {
@@ -91,11 +92,16 @@ std::vector<std::string> undisturbed_row(const Study& study, const Summary& summ
   return row;
 }
 
-/// Why policies have no margin, or the margin 0, a line each; the same reason of one policy once.
+/// Why sweeps and policies have no margin, or the margin 0, a line each; the same reason of one policy once.
 std::string reasons(const Study& study, const Summary& summary, std::size_t start) {
   std::vector<std::string> lines;
+  for (const Sweep& sweep : study.sweeps) {
+    const std::string reason = sweep.along_levels() ? levels_obstacle(sweep) : "";
+    if (!reason.empty()) lines.push_back(cat("– under ", sweep.name, ": ", reason, "\n"));
+  }
   for (const Series& series : summary.series) {
     if (!series.has_margin || series.start != start || series.margin.reason.empty()) continue;
+    if (!levels_obstacle(study.sweeps[series.sweep]).empty()) continue;
     const bool zero = !std::isnan(series.margin.level.estimate);
     const std::string& policy = study.policies[series.policy].name;
     const std::string whose =
@@ -118,7 +124,7 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
   const bool starred = std::ranges::any_of(rows[1], [](const std::string& cell) { return cell.ends_with('*'); });
   std::string note =
       starred ? "\n* below 90 % of the best: a margin from there does not compare with the others\n" : "";
-  note += reasons(study, summary, start);
+  note = wrapped(note + reasons(study, summary, start), columns);
   if (total(widths_of(rows)) <= columns) return aligned(rows) + note;
   for (auto& row : rows) row.erase(row.begin() + 1, row.begin() + 3);  // the name of the sweep has to do
   return in_blocks(rows, 2, columns) + note;

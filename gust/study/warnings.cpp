@@ -33,11 +33,33 @@ void warn_of_axis(const Study& study, const Sweep& sweep, const Sweep::Axis& axi
   warnings.push_back(out_of_reach(study.setup, axis.index, what));
 }
 
-/// Injections whose window closes before their shape begins, and waves whose shape is coarse.
+constexpr double kHalfTurn = std::numbers::pi * (1 + 1e-6);  // a limit that was written as 3.141593 is meant
+
+/// "; are degrees meant? 12 degrees are 0.2094 rad"
+std::string degrees_question(double angle) {
+  return fmt::format("; are degrees meant? {:.4g} degrees are {:.4g} rad", angle, angle * std::numbers::pi / 180.0);
+}
+
+/// A disturbance of observed angles alone that is larger than half a turn.
+void warn_of_offset(const Injection& injection, const PlantSpec& spec, const std::string& whose,
+                    std::vector<std::string>& warnings) {
+  if (injection.site != Site::kObservation) return;
+  double most = 0;
+  for (std::size_t i = 0; i < injection.factors.size(); ++i) {
+    if (injection.factors[i] != 0 && spec.state[i].unit != "rad") return;
+    most = std::max(most, std::abs(injection.factors[i] * injection.level));
+  }
+  if (most > kHalfTurn)
+    warnings.push_back(fmt::format("{}: the observation {} reaches {:.4g} rad, more than half a turn{}", whose,
+                                   injection.waveform.kind, most, degrees_question(most)));
+}
+
+/// Injections whose window closes before their shape begins, waves whose shape is coarse, angles in degrees.
 void warn_of_injections(std::span<const Injection> injections, const PlantSpec& spec, const std::string& whose,
                         std::vector<std::string>& warnings) {
   std::ranges::move(wave_warnings(injections, spec, whose), std::back_inserter(warnings));
   for (const Injection& injection : injections) {
+    warn_of_offset(injection, spec, whose, warnings);
     if (injection.end > injection.waveform->onset()) continue;
     warnings.push_back(cat(whose, ": the ", site_name(injection.site), " ", injection.waveform.kind,
                            " disturbs nothing: its window ends at step ", injection.end, ", its shape begins at step ",
@@ -47,18 +69,29 @@ void warn_of_injections(std::span<const Injection> injections, const PlantSpec& 
 
 /// Angles of the plant's task beyond half a turn: degrees, most likely.
 void warn_of_degrees(const PlantSpec& spec, std::vector<std::string>& warnings) {
-  constexpr double kHalfTurn = std::numbers::pi * (1 + 1e-6);  // a limit that was written as 3.141593 is meant
   for (std::size_t i = 0; i < spec.state.size(); ++i) {
     if (spec.state[i].unit != "rad") continue;
     const auto warn = [&](std::string_view what, double angle, std::string_view so) {
       if (!(std::abs(angle) > kHalfTurn) || std::isinf(angle)) return;
-      warnings.push_back(fmt::format(
-          "plant: {} {} = {:.4g} rad, more than half a turn{}; are degrees meant? {:.4g} degrees are {:.4g} rad", what,
-          spec.state[i].name, angle, so, angle, angle * std::numbers::pi / 180.0));
+      warnings.push_back(fmt::format("plant: {} {} = {:.4g} rad, more than half a turn{}{}", what, spec.state[i].name,
+                                     angle, so, degrees_question(angle)));
     };
     warn("an episode fails beyond", spec.fail_high[i], ", so that no attitude fails");
     warn("episodes start at", spec.start[i], "");
     warn("random starts spread by", spec.start_range[i], "");
+  }
+}
+
+/// Random starts of which some lie outside the safe set.
+void warn_of_random_starts(const PlantSpec& spec, std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < spec.state.size(); ++i) {
+    const double middle = spec.start[i] + spec.start_offset[i], range = spec.start_range[i];
+    if (middle - range >= spec.fail_low[i] && middle + range <= spec.fail_high[i]) continue;
+    warnings.push_back(fmt::format(
+        "plant: random starts have {} = {:.4g} to {:.4g}, the safe set ends at {:.4g} and {:.4g} {}: some episodes "
+        "fail "
+        "before their first step",
+        spec.state[i].name, middle - range, middle + range, spec.fail_low[i], spec.fail_high[i], spec.state[i].unit));
   }
 }
 
@@ -94,6 +127,7 @@ std::vector<std::string> plant_warnings(const Setup& setup) {
     warnings.push_back(out_of_reach(setup, i, what));
   }
   warn_of_degrees(setup.plant->spec(), warnings);
+  warn_of_random_starts(setup.plant->spec(), warnings);
   return warnings;
 }
 
@@ -129,9 +163,13 @@ std::vector<std::string> study_warnings(const Study& study) {
       if (!axis.parameter.empty()) warn_of_axis(study, sweep, axis, warnings);
     }
     const std::string whose = cat("sweep '", sweep.name, "'");
-    if (sweep.injection) warn_of_injections({&*sweep.injection, 1}, spec, whose, warnings);
-    warn_of_injections(sweep.disturbed, spec, whose, warnings);
     const std::vector<double>& levels = sweep.axes.front().values;
+    if (sweep.injection) {
+      Injection greatest = *sweep.injection;
+      greatest.level = sweep.along_levels() && !levels.empty() ? levels.back() : 0.0;
+      warn_of_injections({&greatest, 1}, spec, whose, warnings);
+    }
+    warn_of_injections(sweep.disturbed, spec, whose, warnings);
     if (sweep.along_levels() && levels.size() > 1 && levels.front() < 0)
       warnings.push_back(cat("sweep '", sweep.name, "' has no margins: its levels begin at ", levels.front(),
                              ", below 0; sweep each side from 0 (the factors of 'channels' turn the sign)"));

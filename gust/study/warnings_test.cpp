@@ -88,14 +88,49 @@ TEST_CASE("angles that look like degrees are told") {
   CHECK(told("theta_limit = 12") ==
         Warnings{"plant: an episode fails beyond theta = 12 rad, more than half a turn, so that no attitude fails; are "
                  "degrees meant? 12 degrees are 0.2094 rad"});
-  CHECK(
-      told("start_range = [0, 0, 5, 0]") ==
-      Warnings{"plant: random starts spread by theta = 5 rad, more than half a turn; are degrees meant? 5 degrees are "
-               "0.08727 rad"});
-  CHECK(told("start = [9, 0, 0, 9]").empty());  // neither is an angle
+  CHECK(told("start_range = [0, 0, 5, 0]").front() ==
+        "plant: random starts spread by theta = 5 rad, more than half a turn; are degrees meant? 5 degrees are 0.08727 "
+        "rad");
+  CHECK(told("start = [0, 9, 0, 9]").empty());  // neither is an angle
   CHECK(told("theta_limit = 3.141592653589793").empty());
   CHECK(told("theta_limit = 3.141593").empty());  // rounded up
   CHECK(told("theta_limit = 3.15").size() == 1);
+}
+
+TEST_CASE("random starts of which some lie outside the safe set are told, and all of them are an error") {
+  const auto with = [](const std::string& option) {
+    return cat("schema = 1\nname = \"c\"\nplant = { kind = \"cartpole\", ", option,
+               " }\n[evaluate]\nstart = \"random\"\n[[policy]]\nname = \"zero\"\nkind = \"zero\"\n");
+  };
+
+  const Study some = small_study({}, with("x_limit = 2, start_range = [2.5, 0, 0, 0]"));
+  CHECK(study_warnings(some) == Warnings{"plant: random starts have x = -2.5 to 2.5, the safe set ends at -2 and 2 m: "
+                                         "some episodes fail before their first step"});
+  CHECK(study_warnings(small_study({}, with("x_limit = 2, start_range = [2, 0, 0, 0]"))).empty());
+  CHECK_THROWS_WITH_AS(small_study({}, with("x_limit = 2, start = [5, 0, 0, 0], start_range = [2, 0, 0, 0]")),
+                       "small.toml:5:9: start: random starts have x = 3 to 7, outside the safe set, -2 to 2 m", Error);
+  CHECK_THROWS_WITH_AS(
+      small_study({},
+                  "schema = 1\nname = \"c\"\nplant = { kind = \"cartpole\", x_limit = 2, start = [5, 0, 0, 0] }\n"
+                  "[[policy]]\nname = \"zero\"\nkind = \"zero\"\n"),
+      "small.toml:3:9: start: x = 5 lies outside the safe set, -2 to 2 m: the episode would fail "
+      "before its first step",
+      Error);
+}
+
+TEST_CASE("levels of observed angles that look like degrees are told, those of mixed channels are not") {
+  const auto told = [](const std::string& channels, const std::string& levels) {
+    return warnings_of("none", cat("[[sweep]]\nname = \"o\"\nsite = \"observation\"\nwaveform = \"step\"\nchannels = ",
+                                   channels, "\nlevels = ", levels, "\n"));
+  };
+
+  CHECK(told("[\"theta\"]", "[0, 5, 20]") ==
+        Warnings{"sweep 'o': the observation step reaches 20 rad, more than half a turn; are degrees meant? 20 degrees "
+                 "are 0.3491 rad"});
+  CHECK(told("{ theta = -4 }", "[0, 1]").size() == 1);
+  CHECK(told("[\"theta\"]", "[0, 3]").empty());
+  CHECK(told("[\"theta\"]", "\"auto\"").empty());
+  CHECK(told("[\"x\", \"theta\"]", "[0, 20]").empty());
 }
 
 TEST_CASE("waves with fewer than ten samples a period are told wherever they are on, and those with ten are not") {

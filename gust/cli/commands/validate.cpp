@@ -73,7 +73,8 @@ std::string limits_of(const Recording& recording, const Validation& result) {
   if (!recording.controller()) limits.push_back(cat("open loop", policy, ": one step only"));
   const std::string missing = not_recorded(recording, result.parts);
   if (!missing.empty()) limits.push_back(cat("not recorded, not judged: ", missing));
-  if (!recording.has("f_x")) limits.push_back("no force recorded: taken as 0");
+  if (const std::string forces = missing_forces(recording); !forces.empty())
+    limits.push_back(cat(forces, " recorded: taken as 0"));
   return join(limits, "; ");
 }
 
@@ -164,18 +165,15 @@ int validate_files(const ValidateOptions& options) {
 }
 
 constexpr const char* kAbout =
-    R"(For each recording it prints the largest absolute error of every state [SI units]: one step ahead from each recorded
-state, and in closed loop from the first state on, where the recorded controller is a state feedback; then the errors of
-applied action, reward and squared error, and whether the flags are equal. The default tolerances ask for another
-program's equal equations; for measurements choose them by your sensors, such as --tolerance-step 0.01
---tolerance-loop 0.1. --tolerance-step also judges applied action, reward and squared error.
-
-A robot's log has time, state and force: what it does not have is not judged, and the verdict says so. A recording of
-which no step could be judged has not passed.
-
-Exit code: 0 if all pass, 3 if any does not, 2 if one cannot be read.
-
-)";
+    "For each recording it prints the largest absolute error of every state [SI units]: one step ahead from each "
+    "recorded state, and in closed loop from the first state on, where the recorded controller is a state feedback; "
+    "then the errors of applied action, reward and squared error, and whether the flags are equal. The default "
+    "tolerances ask for another program's equal equations; for measurements choose them by your sensors, such as "
+    "--tolerance-step 0.01 --tolerance-loop 0.1. --tolerance-step also judges applied action, reward and squared "
+    "error.\n\n"
+    "A robot's log has time, state and force: what it does not have is not judged, and the verdict says so. A "
+    "recording of which no step could be judged has not passed.\n\n"
+    "Exit code: 0 if all pass, 3 if any does not, 2 if one cannot be read.\n\n";
 
 std::string check_tolerance(const std::string& text) {
   double number = -1;
