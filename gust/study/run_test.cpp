@@ -57,7 +57,7 @@ TEST_CASE("the exported table has a row for each episode and metric") {
 
   const auto lines = static_cast<std::size_t>(std::ranges::count(csv, '\n'));
   const std::size_t cells = 2 * (1 + 3 + 2);  // policies x (nominal, push, noise)
-  CHECK(lines == 1 + cells * 2 * 3 * MetricSet().size());
+  CHECK(lines == 1 + cells * 2 * 3 * MetricSet().stored().size());
   CHECK(csv.starts_with(std::string(kExportHead)));
 }
 
@@ -326,7 +326,7 @@ TEST_CASE("no two exported rows agree in all but the value, whatever kinds of sw
     rest.remove_prefix(line.size() + 1);
   }
   const std::size_t cells = 2 * (1 + 3 + 2 + 6 * 2 + 2 * 2 + 2 * 4);
-  CHECK(rows == 1 + cells * 2 * 3 * MetricSet().size());
+  CHECK(rows == 1 + cells * 2 * 3 * MetricSet().stored().size());
   CHECK(keys.size() == rows);
   CHECK(counted(folder.path / "rows.db", "select count(*) from episodes") == static_cast<std::int64_t>(rows) - 1);
   CHECK(counted(folder.path / "rows.db",
