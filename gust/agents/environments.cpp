@@ -18,6 +18,10 @@ Environments::Environments(const TrainingTask& task, std::size_t count, Rng rng,
       truncated_(count),
       terminal_(task.plant->spec().observations(), count),
       value_(against ? adversary_channels(*against, task.plant->spec()) : 0, count) {
+  std::vector<double> levels;
+  for (const Injection& injection : task_.injections) levels.push_back(injection.level);
+  for (std::size_t lane = 0; lane < count; ++lane)
+    signals_.emplace_back(task_.injections, spec(), levels, rng_.split(lane));
   for (std::size_t lane = 0; lane < count; ++lane) begin(lane);
 }
 
@@ -27,7 +31,7 @@ void Environments::begin(std::size_t lane) {
   start.state = random_start(spec(), episode);
   start.parameters = draw_parameters(task_.randomised, spec(), episode);
   for (const Injection& injection : task_.injections) start.levels.push_back(injection.level);
-  if (!task_.injections.empty()) start.signals = std::make_shared<Signals>(task_.injections, spec(), episode);
+  start.signals = signals_[lane].at(static_cast<std::int64_t>(episodes_[lane]));
   loop_.begin(lane, start);
 }
 

@@ -56,6 +56,7 @@ class Environments {
   Rng rng_;
   std::optional<AdversarySite> against_;
   ClosedLoop loop_;
+  std::vector<SignalSequence> signals_;
   std::vector<std::uint64_t> episodes_;       // number of each environment's present episode
   std::vector<std::vector<double>> history_;  // its commands and adversary's actions so far, step by step
   std::vector<double> reward_;

@@ -92,6 +92,28 @@ TEST_CASE("environments go on from saved bytes as if they had never stopped") {
   }
 }
 
+TEST_CASE("a ramp goes on through the episodes of an environment, from saved bytes too") {
+  const auto plant = cartpole(20);
+  std::vector<Injection> injections;
+  injections.push_back(disturbance(Site::kObservation, waveform("scg_ramp"), 4));
+  injections.front().level = 1e6;  // never reached: it rises by 0.16 an episode
+  const TrainingTask task{plant.object.get(), {}, injections, 1};
+  Environments whole(task, 2, Rng(1)), resumed(task, 2, Rng(1));
+
+  push(whole, 60, 0.0);  // three episodes; the fourth begins at rest
+  Saver saver;
+  whole.save(saver);
+  const std::string bytes = saver.take();
+  Loader loader(bytes);
+  resumed.load(loader);
+
+  for (std::size_t lane = 0; lane < 2; ++lane) {
+    const double seen = whole.observation().at(1, lane);
+    CHECK(std::abs(seen - (3 * 21 + 1) * 0.00798) < 5 * 0.00603 * 8);  // as many values, and five standard errors
+    CHECK(resumed.observation().at(1, lane) == seen);
+  }
+}
+
 TEST_CASE("8.8.1 a drawn parameter holds over its episode and changes at every reset") {
   const AdderPlant plant;  // a grows by gain * u a step: what it grew by is the gain that was drawn
   const Place place{"test"};

@@ -59,8 +59,10 @@ CatalogueKind waveform_kind() {
   CatalogueKind kind{"waveform", "waveforms", {}};
   for (const Entry<Waveform>& entry : waveforms().entries()) {
     CatalogueItem item = item_of(entry);
-    const bool random = entry.make(Table{})->random();
-    item.notes = {{"random", random ? "yes; every channel has its own stream" : "no; all channels in phase"}};
+    const Made<Waveform> made = entry.make(Table{});
+    item.notes = {{"random", made->random() ? "yes; every channel has its own stream" : "no; all channels in phase"}};
+    if (!made->scales())
+      item.notes.emplace_back("level", "part of the shape, not its factor; the shape goes on from episode to episode");
     item.example = cat("[[sweep]]\nname     = \"action ", entry.name,
                        "\"\nsite     = \"action\"\nwaveform = ", inline_table(entry.name, entry.fields),
                        "\nlevels   = { from = 0, to = 10, count = 11 }");

@@ -179,7 +179,8 @@ std::vector<double> row_metrics(const MetricSet& set, const Episode& episode, bo
   row.ended = row.whole = episode.part(terminate);
   std::vector<double> values;
   for (std::size_t i = 0; i < set.size(); ++i) {
-    static constexpr std::string_view kOfRow[] = {"return_sum", "length", "rmse_paper", "rmse_scg", "rmse_sum"};
+    static constexpr std::string_view kOfRow[] = {"return_sum", "length",   "rmse_paper",
+                                                  "rmse_scg",   "rmse_sum", "squared_state_sum"};
     const bool of_row = std::ranges::find(kOfRow, set.name(i)) != std::end(kOfRow);
     values.push_back(set[i].value(of_row ? row : episode));
   }

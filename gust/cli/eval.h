@@ -68,11 +68,12 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
 /// How many episodes were asked for, else the standard.
 std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard);
 
-/// The rows as a JSON array of objects; numbers in the shortest form that reads back, what is no finite number as null.
+/// The rows as a JSON array of objects, quotients of means left out; numbers in the shortest form that reads back, what
+/// is no finite number as null.
 std::string eval_json(const std::vector<EvalRow>& rows);
 
-/// The rows as a table to read: mean, least and greatest of every number over the episodes, with its unit. What the
-/// plant does not have is left out.
+/// The rows as a table to read: mean, least and greatest of every number over the episodes, with its unit; of quotients
+/// of means over the seeds. What the plant does not have is left out.
 std::string eval_table(const std::vector<EvalRow>& rows);
 
 }  // namespace gust

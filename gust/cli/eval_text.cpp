@@ -30,7 +30,7 @@ std::string json_row(const EvalRow& row, const MetricSet& metrics) {
   add("finite", cat(row.finite));
   add("return_sum_commanded", json_number(row.return_sum_commanded));
   add("return_sum_disturbed", json_number(row.return_sum_disturbed));
-  for (std::size_t i = 0; i < metrics.size(); ++i) {
+  for (const std::size_t i : metrics.stored()) {
     if (metrics.name(i) != "length")
       add(metrics.name(i), json_number(row.metrics[i]));  // it is there, as a whole number
   }
@@ -53,7 +53,23 @@ std::string table_line(const std::string& name, std::string_view unit, const std
   }
   const double mean = sum / static_cast<double>(rows.size());
   const std::string head = unit.empty() ? name : cat(name, " [", unit, "]");
-  return format("{:<22}  {:>12.6g}  {:>12.6g}  {:>12.6g}\n", head, mean, least, greatest);
+  return format("{:<25}  {:>12.6g}  {:>12.6g}  {:>12.6g}\n", head, mean, least, greatest);
+}
+
+/// A quotient of means: that of each seed, and their mean.
+std::string quotient_line(const MetricSet& metrics, std::size_t metric, const std::vector<EvalRow>& rows) {
+  const std::size_t numerator = metrics.index(metrics[metric].quotient()->numerator, {});
+  const std::size_t denominator = metrics.index(metrics[metric].quotient()->denominator, {});
+  std::vector<EvalRow> seeds;
+  for (const EvalRow& row : rows) {
+    if (seeds.empty() || seeds.back().seed != row.seed) {
+      seeds.push_back(row);
+      continue;
+    }
+    for (const std::size_t part : {numerator, denominator}) seeds.back().metrics[part] += row.metrics[part];
+  }
+  return table_line(metrics.name(metric), metrics[metric].unit(), seeds,
+                    [&](const EvalRow& seed) { return seed.metrics[numerator] / seed.metrics[denominator]; });
 }
 
 }  // namespace
@@ -69,11 +85,15 @@ std::string eval_table(const std::vector<EvalRow>& rows) {
   const MetricSet metrics;
   const auto failed = std::ranges::count_if(rows, [](const EvalRow& row) { return row.failed; });
   std::string text = cat(rows.size(), rows.size() == 1 ? " episode, " : " episodes, ", failed, " failed\n\n");
-  text += fmt::format("{:<22}  {:>12}  {:>12}  {:>12}\n", "", "mean", "least", "greatest");
+  text += fmt::format("{:<25}  {:>12}  {:>12}  {:>12}\n", "", "mean", "least", "greatest");
   text += table_line("return_sum_commanded", "", rows, [](const EvalRow& row) { return row.return_sum_commanded; });
   text += table_line("return_sum_disturbed", "", rows, [](const EvalRow& row) { return row.return_sum_disturbed; });
   for (std::size_t i = 0; i < metrics.size(); ++i) {
     if (!rows.front().applies[i]) continue;
+    if (metrics[i].quotient()) {
+      text += quotient_line(metrics, i, rows);
+      continue;
+    }
     text += table_line(metrics.name(i), metrics[i].unit(), rows, [i](const EvalRow& row) { return row.metrics[i]; });
   }
   return text;

@@ -39,7 +39,7 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       failed_(lanes, 0),
       not_finite_(lanes, 0.0),
       signals_(lanes),
-      levels_(injections.size(), lanes),
+      factors_(injections.size(), lanes),
       state_(plant.spec().state.size() + plant.spec().hidden, lanes),
       parameters_(filled_rows(Matrix<double>::padded(lanes), nominal_parameters(plant.spec()))),
       goal_(plant.spec().state.size(), lanes),
@@ -68,7 +68,7 @@ void ClosedLoop::begin(std::size_t lane, const EpisodeStart& start) {
   counter_[lane] = start.step;
   failed_[lane] = 0;
   signals_[lane] = start.signals;
-  for (std::size_t i = 0; i < injections_.size(); ++i) levels_.at(i, lane) = start.levels[i];
+  for (std::size_t i = 0; i < injections_.size(); ++i) factors_.at(i, lane) = injections_[i].factor(start.levels[i]);
   for (std::size_t i = 0; i < spec.state.size(); ++i) state_.at(i, lane) = start.state[i];
   for (std::size_t i = 0; i < spec.parameters.size(); ++i) parameters_.at(i, lane) = start.parameters[i];
   plant_.begin(state_.view(), lane, start.step > 0);
@@ -234,9 +234,9 @@ void ClosedLoop::add_signals(Site site, std::size_t lane, Matrix<double>& to) co
   const std::int64_t k = std::min(counter_[lane], last);
   for (std::size_t i = 0; i < injections_.size(); ++i) {
     if (injections_[i].site != site) continue;
-    const double level = levels_.at(i, lane);
+    const double factor = factors_.at(i, lane);
     for (std::size_t c = 0; c < injections_[i].factors.size(); ++c) {
-      to.at(c, lane) += level * signals_[lane]->channel(i, c)[k];
+      to.at(c, lane) += factor * signals_[lane]->channel(i, c)[k];
     }
   }
 }

@@ -16,7 +16,7 @@ enum class Effort { kCommanded, kDisturbed, kApplied };
 struct EpisodeStart {
   std::vector<double> state;               ///< visible components
   std::vector<double> parameters;          ///< in the order of the plant's spec
-  std::vector<double> levels;              ///< one factor per injection
+  std::vector<double> levels;              ///< one per injection
   std::shared_ptr<const Signals> signals;  ///< shared: many lanes meet the same noise at their own levels
   std::int64_t step = 0;                   ///< control steps that lie before; the plant is then in motion
 };
@@ -97,7 +97,7 @@ class ClosedLoop {
   std::vector<std::uint8_t> failed_;
   std::vector<double> not_finite_;
   std::vector<std::shared_ptr<const Signals>> signals_;
-  Matrix<double> levels_;  // injections x lanes
+  Matrix<double> factors_;  // injections x lanes
   Matrix<double> state_, parameters_, goal_, observation_;
   Matrix<double> command_, commanded_, disturbed_, applied_, force_;
   Matrix<double> reward_commanded_, reward_disturbed_, reward_applied_, cost_;

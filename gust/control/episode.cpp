@@ -10,7 +10,7 @@ namespace {
 
 /// What one step adds to a part.
 struct StepTally {
-  double reward, commanded, disturbed, squared, masked;
+  double reward, commanded, disturbed, squared, masked, state;
   bool saturated;
 };
 
@@ -21,6 +21,7 @@ void add(EpisodePart& part, const StepTally& step, Rows<const double> state, std
   part.return_disturbed += step.disturbed;
   part.squared_error += step.squared;
   part.squared_masked_error += step.masked;
+  part.squared_state += step.state;
   part.saturated_steps += step.saturated ? 1 : 0;
   for (std::size_t i = 0; i < state.rows; ++i) {
     part.max_abs_state[i] = std::max(part.max_abs_state[i], std::abs(state.at(i, lane)));
@@ -29,9 +30,11 @@ void add(EpisodePart& part, const StepTally& step, Rows<const double> state, std
 }
 
 StepTally tally(const ClosedLoop& loop, const PlantSpec& spec, std::size_t lane) {
-  StepTally step{loop.reward()[lane], loop.reward_commanded()[lane], loop.reward_disturbed()[lane], 0, 0, false};
+  StepTally step{loop.reward()[lane], loop.reward_commanded()[lane], loop.reward_disturbed()[lane], 0, 0, 0, false};
   for (std::size_t i = 0; i < spec.state.size(); ++i) {
-    const double error = loop.state().at(i, lane) - loop.goal().at(i, lane);
+    const double value = loop.state().at(i, lane);
+    const double error = value - loop.goal().at(i, lane);
+    step.state += value * value;
     step.squared += error * error;
     step.masked += spec.error_weights[i] * error * error;
   }

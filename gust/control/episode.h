@@ -17,6 +17,7 @@ struct EpisodePart {
   double return_disturbed = 0;
   double squared_error = 0;          ///< sum of |state - goal|^2, all components, angles not wrapped
   double squared_masked_error = 0;   ///< the same over the components with error_weights
+  double squared_state = 0;          ///< sum of |state|^2, all components, angles not wrapped
   std::int64_t saturated_steps = 0;  ///< steps in which the actuator could not give the disturbed sum
   std::vector<double> max_abs_state;
   std::vector<double> final_state;

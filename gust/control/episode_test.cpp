@@ -47,6 +47,7 @@ TEST_CASE("an episode that does not fail ends with its horizon, both parts alike
   }
   CHECK(episode.whole.return_sum == doctest::Approx(reward).epsilon(1e-14));
   CHECK(episode.whole.squared_error == squared);               // sums of sixteenths are exact
+  CHECK(episode.whole.squared_state == squared);               // the goal is 0
   CHECK(episode.whole.squared_masked_error == 8 * 0.5 * 0.5);  // the second component alone
   CHECK(episode.ended.return_sum == episode.whole.return_sum);
 }
@@ -84,6 +85,7 @@ TEST_CASE("failure ends one part with the step that failed, and the other runs o
   CHECK(episode.whole.steps == 8);
   CHECK(episode.whole.final_state[0] == 111.0);
   CHECK(episode.ended.squared_masked_error == 3 * 0.25);
+  CHECK(episode.ended.squared_state == 97.0 * 97.0 + 99.0 * 99.0 + 101.0 * 101.0 + 3 * 0.25);  // the last state too
   CHECK(&episode.part(true) == &episode.ended);
   CHECK(&episode.part(false) == &episode.whole);
 }

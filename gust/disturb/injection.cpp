@@ -157,7 +157,7 @@ Injection read_injection(const Table& table, const PlantSpec& spec, const std::v
   return injection;
 }
 
-Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode)
+Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode, const WaveHistory& history)
     : length_(static_cast<std::size_t>(spec.steps) + 1) {
   std::size_t channels = 0;
   for (const Injection& injection : injections) {
@@ -165,6 +165,9 @@ Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, R
     channels += injection.factors.size();
   }
   values_.resize(channels * length_);
+  ends_.resize(channels);
+  if (history.before) ends_ = history.before->ends_;
+  GUST_CHECK(ends_.size() == channels && (history.levels.empty() || history.levels.size() == injections.size()));
 
   std::array<std::uint64_t, std::size(kSites)> seen{};
   for (std::size_t i = 0; i < injections.size(); ++i) {
@@ -173,7 +176,15 @@ Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, R
     const bool shifted = injection.site == Site::kObservation;
     for (std::size_t c = 0; c < injection.factors.size(); ++c) {
       const std::span<double> out(values_.data() + (first_[i] + c) * length_, length_);
-      injection.waveform->fill(out, spec.control_rate, stream.split(c));
+      if (injection.waveform->scales()) {
+        injection.waveform->fill(out, spec.control_rate, stream.split(c));
+      } else {
+        // One value a control step, and one more for the observation of reset; no step sees what lies behind them.
+        const std::span<double> calls = shifted ? out : out.first(length_ - 1);
+        const double level = history.levels.empty() ? 1.0 : history.levels[i];
+        injection.waveform->go_on(ends_[first_[i] + c], calls, level, stream.split(c));
+        out.back() = calls.back();
+      }
       if (shifted && !injection.waveform->random()) std::copy_backward(out.begin(), out.end() - 1, out.end());
       for (std::size_t k = 0; k < length_; ++k) {
         const auto step = static_cast<std::int64_t>(shifted && k > 0 ? k - 1 : k);
@@ -182,6 +193,23 @@ Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, R
       }
     }
   }
+}
+
+bool all_scale(std::span<const Injection> injections) {
+  return std::ranges::all_of(injections, [](const Injection& injection) { return injection.waveform->scales(); });
+}
+
+std::shared_ptr<const Signals> SignalSequence::at(std::int64_t episode) {
+  if (injections_.empty()) return nullptr;
+  if (last_ && episode == next_ - 1) return last_;
+  if (all_scale(injections_)) next_ = episode;
+  if (episode < next_) next_ = 0;
+  while (next_ <= episode) {
+    const WaveHistory history{levels_, next_ > 0 ? last_.get() : nullptr};
+    const Rng stream = episodes_.split(static_cast<std::uint64_t>(next_++));
+    last_ = std::make_shared<Signals>(injections_, spec_, stream, history);
+  }
+  return last_;
 }
 
 }  // namespace gust

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ struct Injection {
   std::int64_t start = 0;  ///< window in control steps; the shape itself always runs from step 0
   std::int64_t end = std::numeric_limits<std::int64_t>::max();  ///< exclusive
 
+  /// What multiplies its signals at a level: the level, or 1 where that is part of the shape.
+  double factor(double at_level) const { return waveform->scales() ? at_level : 1.0; }
+
   /// All that makes the disturbance, but not its level.
   std::string canonical() const;
 };
@@ -38,14 +42,25 @@ struct Injection {
 /// in `also`.
 Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also = {});
 
-/// The values of some injections over one episode at level 1: channel c of injection i at index k. For actions and
-/// dynamics the index is the control step. For observations it is the number of the observation: 0 is reset's.
-/// Random waveforms are drawn by that number; deterministic ones follow the control step, and both the observation of
-/// reset and that of step 0 see step 0 (tasks 3.1).
+class Signals;
+
+/// What shapes need that a level does not scale: the level of each injection (1 where none are given), and what
+/// disturbed the episode before, on which they go on; nothing of the first episode.
+struct WaveHistory {
+  std::span<const double> levels = {};
+  const Signals* before = nullptr;
+};
+
+/// The values of some injections over one episode, to be multiplied by Injection::factor(level): channel c of injection
+/// i at index k. For actions and dynamics the index is the control step. For observations it is the number of the
+/// observation: 0 is reset's. Random waveforms are drawn by that number; deterministic ones follow the control step,
+/// and both the observation of reset and that of step 0 see step 0 (tasks 3.1). A shape that goes on from episode to
+/// episode has one value a control step, at the observation site one an observation, of every episode to its horizon:
+/// it goes on where that of the episode before ends.
 class Signals {
  public:
   /// Streams are named by site, position among the injections of that site, and channel: nothing else moves them.
-  Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode);
+  Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode, const WaveHistory& history = {});
 
   /// The values of one channel, steps + 1 of them.
   const double* channel(std::size_t injection, std::size_t channel) const {
@@ -56,6 +71,30 @@ class Signals {
   std::size_t length_;
   std::vector<std::size_t> first_;
   std::vector<double> values_;
+  std::vector<WaveState> ends_;  // of each channel, after the last value of the episode
+};
+
+/// Whether a level scales all shapes: each episode's signals are then the same at every level and stand alone.
+bool all_scale(std::span<const Injection> injections);
+
+/// What disturbs the episodes of one cell of a sweep, or of one environment of a training, drawn one after the other.
+/// Episode e has the stream episodes.split(e); all of it depends on e alone, and not on what was asked for before.
+class SignalSequence {
+ public:
+  /// The injections and the spec must outlive it. One level an injection.
+  SignalSequence(std::span<const Injection> injections, const PlantSpec& spec, std::vector<double> levels, Rng episodes)
+      : injections_(injections), spec_(spec), levels_(std::move(levels)), episodes_(episodes) {}
+
+  /// The signals of an episode; null without injections. Later episodes cost least if asked for in order.
+  std::shared_ptr<const Signals> at(std::int64_t episode);
+
+ private:
+  std::span<const Injection> injections_;
+  const PlantSpec& spec_;
+  std::vector<double> levels_;
+  Rng episodes_;
+  std::shared_ptr<const Signals> last_;
+  std::int64_t next_ = 0;  // number of the episode after last_
 };
 
 }  // namespace gust

@@ -251,3 +251,56 @@ TEST_CASE("every waveform with a frequency is held to the control rate, and no o
     CHECK(with(25).find("half the control rate") != std::string::npos);
   }
 }
+
+/// A ramp of a site at a level, with one factor a channel.
+SignalSequence ramps(const std::vector<Injection>& all, double level) {
+  return {all, spec(), std::vector<double>(all.size(), level), Rng(31)};
+}
+
+TEST_CASE("a wave that goes on has one value a control step of each episode, and one an observation at that site") {
+  for (const auto& [site, calls] : {std::pair{"dynamics", 10}, {"action", 10}, {"observation", 11}}) {
+    CAPTURE(site);
+    const std::vector<Injection> all = list(at(site, "scg_ramp"));
+    SignalSequence sequence = ramps(all, 1e6);
+    double end = 0;
+    for (std::int64_t episode = 0; episode < 5; ++episode) {
+      const Rng stream = Rng(31).split(static_cast<std::uint64_t>(episode)).split(site).split(0).split(0);
+      const std::vector<double> values = channel(*sequence.at(episode), 0, 0);
+      for (int k = 0; k < calls; ++k) {
+        end += 0.01 * std::abs(stream.normal(static_cast<std::uint64_t>(k)));
+        CHECK(values[static_cast<std::size_t>(k)] == doctest::Approx(end).epsilon(1e-14));
+      }
+    }
+  }
+}
+
+TEST_CASE("the waves of an episode depend on its number, not on which were asked for before") {
+  const std::vector<Injection> all = list(at("dynamics", "scg_ramp"), at("observation", "white"));
+  SignalSequence in_order = ramps(all, 0.2);
+  std::vector<std::vector<double>> values;
+  for (std::int64_t episode = 0; episode < 6; ++episode) values.push_back(channel(*in_order.at(episode), 0, 1));
+
+  for (const std::int64_t episode : {5, 2, 2, 3, 0}) {
+    SignalSequence alone = ramps(all, 0.2);
+    CHECK(channel(*alone.at(episode), 0, 1) == values[static_cast<std::size_t>(episode)]);
+    CHECK(channel(*in_order.at(episode), 0, 1) == values[static_cast<std::size_t>(episode)]);
+  }
+  CHECK(values[0] != values[1]);
+}
+
+TEST_CASE("a ramp turns at the level of its own injection, and factors give its channels their signs") {
+  const std::vector<Injection> all = list(injection({{"site", word("dynamics")},
+                                                     {"waveform", word("scg_ramp")},
+                                                     {"mask", {std::vector<Value>{number(-1), number(1)}, {"test"}}}}),
+                                          at("dynamics", "scg_ramp"));
+  const std::vector<double> levels = {0.0, 1e6};
+
+  const Signals signals(all, spec(), Rng(4), {levels});
+
+  CHECK(channel(signals, 0, 0) == std::vector<double>(11, -0.01));
+  CHECK(channel(signals, 0, 1) == std::vector<double>(11, 0.01));
+  CHECK(channel(signals, 1, 0)[9] > 0.02);
+  CHECK(all[0].factor(7.0) == 1.0);
+  CHECK(at("action", "white").factor(7.0) == 7.0);
+  CHECK_FALSE(all_scale(all));
+}

@@ -6,7 +6,8 @@
 
 namespace gust {
 
-/// The waveform of a struct of options with `void fill(std::span<double>, double rate, Rng) const`. It is random if
+/// The waveform of a struct of options with `void fill(std::span<double>, double rate, Rng) const`; or, where the level
+/// is more than a factor, with `void go_on(WaveState&, std::span<double>, double level, Rng) const`. It is random if
 /// the struct says `static constexpr bool kRandom = true`. The options `offset` [control steps] and `frequency` [Hz]
 /// say when the shape begins and how often it repeats.
 template <class Options>
@@ -14,7 +15,18 @@ class OptionsWaveform final : public Waveform {
  public:
   explicit OptionsWaveform(const Options& options) : options_(options) {}
 
-  void fill(std::span<double> out, double rate, Rng rng) const override { options_.fill(out, rate, rng); }
+  void fill(std::span<double> out, double rate, Rng rng) const override {
+    WaveState start;
+    if constexpr (kScales)
+      options_.fill(out, rate, rng);
+    else
+      options_.go_on(start, out, 1.0, rng);
+  }
+  bool scales() const override { return kScales; }
+  void go_on(WaveState& state, std::span<double> out, double level, Rng rng) const override {
+    GUST_CHECK(!kScales);
+    if constexpr (!kScales) options_.go_on(state, out, level, rng);
+  }
   bool random() const override {
     if constexpr (requires { Options::kRandom; }) return Options::kRandom;
     return false;
@@ -29,6 +41,8 @@ class OptionsWaveform final : public Waveform {
   }
 
  private:
+  static constexpr bool kScales =
+      requires(const Options& options, std::span<double> out, Rng rng) { options.fill(out, 0.0, rng); };
   Options options_;
 };
 

@@ -26,7 +26,7 @@ TEST_CASE("every waveform gives finite values, the same bits for the same stream
 
 TEST_CASE("the catalogue holds the waveforms that the specification names") {
   CHECK(waveforms().names() == std::vector<std::string>{"white", "uniform", "step", "impulse", "sawtooth", "triangle",
-                                                        "sine", "constant", "scg_impulse", "scg_periodic"});
+                                                        "sine", "constant", "scg_impulse", "scg_periodic", "scg_ramp"});
 }
 
 TEST_CASE("deterministic waveforms that never rest have the mean that their polarity says") {

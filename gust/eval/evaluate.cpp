@@ -3,28 +3,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace gust {
 namespace {
 
-/// The disturbances of each episode, drawn when first asked for.
+Rng episode_streams(const Evaluation& evaluation) { return evaluation.root.split("evaluation"); }
+
+SignalSequence sequence_of(const Evaluation& evaluation, std::size_t cell) {
+  return {evaluation.injections, evaluation.plant->spec(), evaluation.cells[cell].levels, episode_streams(evaluation)};
+}
+
+/// The disturbances of each episode, drawn when first asked for: of all cells at once where levels scale them.
 class SignalStore {
  public:
   explicit SignalStore(const Evaluation& evaluation)
-      : evaluation_(evaluation), drawn_(static_cast<std::size_t>(evaluation.episodes)) {}
+      : evaluation_(evaluation),
+        shared_(all_scale(evaluation.injections)),
+        drawn_(static_cast<std::size_t>(shared_ ? evaluation.episodes : 0)) {}
 
-  std::shared_ptr<const Signals> at(std::int64_t episode) {
-    if (evaluation_.injections.empty()) return nullptr;
-    auto& signals = drawn_[static_cast<std::size_t>(episode)];
-    if (!signals) {
-      signals = std::make_shared<Signals>(episode_signals(evaluation_, episode));
-    }
+  std::shared_ptr<const Signals> at(const EpisodeIndex& index) {
+    if (!sequence_ || (!shared_ && index.cell != cell_)) sequence_.emplace(sequence_of(evaluation_, index.cell));
+    cell_ = index.cell;
+    if (!shared_) return sequence_->at(index.episode);
+    auto& signals = drawn_[static_cast<std::size_t>(index.episode)];
+    if (!signals) signals = sequence_->at(index.episode);
     return signals;
   }
 
  private:
   const Evaluation& evaluation_;
+  bool shared_;
   std::vector<std::shared_ptr<const Signals>> drawn_;
+  std::optional<SignalSequence> sequence_;
+  std::size_t cell_ = 0;
 };
 
 EpisodeStart start_of(const Evaluation& evaluation, const EpisodeIndex& index, SignalStore& signals) {
@@ -33,7 +45,7 @@ EpisodeStart start_of(const Evaluation& evaluation, const EpisodeIndex& index, S
   start.state = start_state(evaluation, index);
   start.parameters = cell.parameters;
   start.levels = cell.levels;
-  start.signals = signals.at(index.episode);
+  start.signals = signals.at(index);
   return start;
 }
 
@@ -67,7 +79,7 @@ std::vector<Episode> run_batch(const Evaluation& evaluation, Policy& policy, Sig
 }  // namespace
 
 Rng episode_stream(const Evaluation& evaluation, std::int64_t episode) {
-  return evaluation.root.split("evaluation").split(static_cast<std::uint64_t>(episode));
+  return episode_streams(evaluation).split(static_cast<std::uint64_t>(episode));
 }
 
 void evaluate(const Evaluation& evaluation, Policy& policy,
@@ -109,8 +121,8 @@ std::optional<NotFiniteAction> not_finite_action(const Evaluation& evaluation, c
   return action;
 }
 
-Signals episode_signals(const Evaluation& evaluation, std::int64_t episode) {
-  return Signals(evaluation.injections, evaluation.plant->spec(), episode_stream(evaluation, episode));
+std::shared_ptr<const Signals> episode_signals(const Evaluation& evaluation, const EpisodeIndex& index) {
+  return sequence_of(evaluation, index.cell).at(index.episode);
 }
 
 Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeIndex& index) {

@@ -54,8 +54,8 @@ std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex
 std::optional<NotFiniteAction> not_finite_action(const Evaluation& evaluation, const EpisodeIndex& index,
                                                  const Episode& episode);
 
-/// What disturbs an episode of an evaluation, at level 1.
-Signals episode_signals(const Evaluation& evaluation, std::int64_t episode);
+/// What disturbs an episode of an evaluation, to be multiplied by Injection::factor(level); null if nothing does.
+std::shared_ptr<const Signals> episode_signals(const Evaluation& evaluation, const EpisodeIndex& index);
 
 /// Everything that happened in one episode, step by step; columns are control steps.
 struct Trace {

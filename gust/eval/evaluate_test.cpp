@@ -121,7 +121,7 @@ TEST_CASE("a trace is the episode that was measured, step by step") {
   CHECK(sum == measured.whole.return_sum);
   CHECK(trace.failed_at == (measured.failed ? measured.safe_steps : -1));
   for (std::size_t i = 0; i < 4; ++i) CHECK(trace.state.at(i, 40) == measured.whole.final_state[i]);
-  CHECK(trace.force.at(0, 7) == 2.0 * episode_signals(scene.evaluation, 2).channel(0, 0)[7]);
+  CHECK(trace.force.at(0, 7) == 2.0 * episode_signals(scene.evaluation, trace.index)->channel(0, 0)[7]);
 }
 
 }  // namespace

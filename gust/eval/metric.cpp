@@ -15,8 +15,19 @@ const Catalog<Metric>& metrics() {
   return catalog;
 }
 
+std::optional<Quotient> quotient_of(std::string_view metric) {
+  static const MetricSet set;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if (set.name(i) == metric) return set[i].quotient();
+  }
+  return std::nullopt;
+}
+
 MetricSet::MetricSet() {
-  for (const Entry<Metric>& entry : metrics().entries()) made_.push_back(entry.make(Table{}));
+  for (const Entry<Metric>& entry : metrics().entries()) {
+    made_.push_back(entry.make(Table{}));
+    if (!made_.back()->quotient()) stored_.push_back(made_.size() - 1);
+  }
 }
 
 std::size_t MetricSet::index(std::string_view name, const Place& place) const {

@@ -9,12 +9,17 @@ namespace gust {
 
 /// The metric of a struct with `static constexpr bool kHigherIsBetter`, `static constexpr std::string_view kUnit` and
 /// `double value(const Episode&) const`, and `static constexpr bool kZeroOrOne = true` if that is 0 or 1. It is one of
-/// all plants, or of those that `static bool applies(const PlantSpec&)` names.
+/// all plants, or of those that `static bool applies(const PlantSpec&)` names. With `static constexpr Quotient
+/// kQuotient` it is a quotient of means.
 template <class Options>
 class OptionsMetric final : public Metric {
  public:
   explicit OptionsMetric(const Options& options) : options_(options) {}
   double value(const Episode& episode) const override { return options_.value(episode); }
+  std::optional<Quotient> quotient() const override {
+    if constexpr (requires { Options::kQuotient; }) return Options::kQuotient;
+    return std::nullopt;
+  }
   bool higher_is_better() const override { return Options::kHigherIsBetter; }
   std::string_view unit() const override { return Options::kUnit; }
   bool applies(const PlantSpec& spec) const override {

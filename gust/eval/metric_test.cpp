@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -17,6 +18,7 @@ Episode fallen() {
                    .return_disturbed = 2.5,
                    .squared_error = 16.0,
                    .squared_masked_error = 1.0,
+                   .squared_state = 18.0,
                    .saturated_steps = 1,
                    .max_abs_state = {0.5, 2.0, 1.75, 4.0},
                    .final_state = {}};
@@ -26,6 +28,7 @@ Episode fallen() {
                    .return_disturbed = 3.0,
                    .squared_error = 128.0,
                    .squared_masked_error = 64.0,
+                   .squared_state = 130.0,
                    .saturated_steps = 5,
                    .max_abs_state = {9.0, 9.0, 9.0, 9.0},
                    .final_state = {}};
@@ -53,6 +56,8 @@ TEST_CASE("every metric of an episode that failed halfway is what its definition
   CHECK(value_of("rmse_paper", episode) == 4.0);  // all components, to the horizon
   CHECK(value_of("rmse_scg", episode) == 0.5);    // weighted components, to the end
   CHECK(value_of("rmse_sum", episode) == 4.0);
+  CHECK(value_of("squared_state_sum", episode) == 18.0);  // of the state itself, not of its error
+  CHECK(value_of("anr_pooled", episode) == 0.75);         // of a cell of one episode
   CHECK(value_of("survival", episode) == 0.0);
   CHECK(value_of("time_to_failure", episode) == 0.5);
   CHECK(value_of("saturation", episode) == 0.25);
@@ -85,6 +90,25 @@ TEST_CASE("a largest of numbers that are none is none, and a later step does not
   episode.ended.squared_error = std::numeric_limits<double>::quiet_NaN();
   CHECK(std::isnan(value_of("max_abs_x", episode)));
   CHECK(std::isnan(value_of("max_abs_theta", episode)));
+}
+
+TEST_CASE("quotients of means divide metrics of an episode, and all others are stored") {
+  const MetricSet metrics;
+  std::vector<std::string> quotients;
+  for (std::size_t i = 0; i < metrics.size(); ++i) {
+    const auto quotient = metrics[i].quotient();
+    CHECK(quotient.has_value() == (std::ranges::count(metrics.stored(), i) == 0));
+    if (!quotient) continue;
+    quotients.push_back(metrics.name(i));
+    for (const std::string_view part : {quotient->numerator, quotient->denominator})
+      CHECK_FALSE(metrics[metrics.index(part, {})].quotient());
+  }
+
+  CHECK(quotients == std::vector<std::string>{"anr_pooled"});
+  CHECK(quotient_of("anr_pooled")->numerator == "return_sum");
+  CHECK(quotient_of("anr_pooled")->denominator == "length");
+  CHECK_FALSE(quotient_of("anr"));
+  CHECK_FALSE(quotient_of("of another version"));
 }
 
 TEST_CASE("an unknown metric is an error with the nearest name") {

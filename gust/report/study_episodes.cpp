@@ -119,14 +119,13 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   add_pushes(episode, Site::kObservation, spec.state, seen_beyond(trace));
   // What the action site added is not recorded by itself where the command was clipped first; the signals are.
   if (!task.injections.empty()) {
-    const Signals signals(task.injections, spec, episode_stream(task.evaluation, trace.index.episode));
+    const std::shared_ptr<const Signals> signals = episode_signals(task.evaluation, trace.index);
     Matrix<double> added(spec.action.size(), trace.applied.lanes());
     for (std::size_t i = 0; i < task.injections.size(); ++i) {
       if (task.injections[i].site != Site::kAction) continue;
+      const double factor = task.injections[i].factor(task.evaluation.cells[trace.index.cell].levels[i]);
       for (std::size_t c = 0; c < added.rows(); ++c) {
-        for (std::size_t k = 0; k < added.lanes(); ++k) {
-          added.at(c, k) += task.evaluation.cells[trace.index.cell].levels[i] * signals.channel(i, c)[k];
-        }
+        for (std::size_t k = 0; k < added.lanes(); ++k) added.at(c, k) += factor * signals->channel(i, c)[k];
       }
     }
     add_pushes(episode, Site::kAction, spec.action, added);

@@ -27,6 +27,7 @@ std::string kind_text(const StudyPolicy& policy) {
 
 std::string metric_title(const std::string& name) {
   if (name == "anr") return "return / length";
+  if (name == "anr_pooled") return "mean return / mean length";
   if (name == "anr_h") return "return / horizon";
   if (name == "anr_nt") return "return / horizon, not terminated";
   std::string title = name;

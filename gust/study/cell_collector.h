@@ -18,12 +18,12 @@ class CellCollector {
   /// Episodes come in the order of evaluate().
   void take(const EpisodeIndex& index, const Episode& episode);
   /// A metric of the episode that was taken last.
-  double last(std::size_t metric) const { return cell_[last_ + metric]; }
+  double last(std::size_t metric) const { return last_[metric]; }
 
  private:
   const Study& study_;
   std::size_t per_start_;
-  std::size_t last_ = 0;
+  std::vector<double> last_;
   std::vector<double> cell_;
   RowsWriter& rows_;
 };

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "gust/core/text.h"
+#include "gust/eval/quotient.h"
 #include "gust/eval/statistics.h"
 #include "gust/study/cell_collector.h"
 #include "gust/study/trials.h"
@@ -16,6 +17,20 @@ constexpr std::string_view kLevelsFile = "levels.txt";  // a line a round: the l
 constexpr std::size_t kMostRounds = 40;                 // more than any curve needs
 
 std::string rows_file(std::size_t round, std::size_t member) { return cat("rows-", round, "-", member, ".bin"); }
+
+/// What is measured of an episode for the score of the margins: the score, or the two metrics whose means it divides.
+std::vector<std::size_t> measured_metrics(const Study& study) {
+  const std::size_t score = margin_metric(study);
+  const std::optional<Quotient> quotient = study.metric_set[score].quotient();
+  if (!quotient) return {score};
+  return {study.metric_set.index(quotient->numerator, {}), study.metric_set.index(quotient->denominator, {})};
+}
+
+/// The score of each episode of a cell, from what was measured of it.
+Matrix<double> scores_of(const std::vector<Matrix<double>>& measured) {
+  if (measured.size() == 1) return measured.front();
+  return quotient_values(measured[0].view(), measured[1].view());
+}
 
 struct Stopped {};  // leaves an evaluation between two episodes
 
@@ -32,7 +47,7 @@ TrialGroup inputs_of(const Plan& plan, const Trial& trial, bool nominal) {
 class MarginSearch {
  public:
   MarginSearch(const Study& study, const Plan& plan, const Trial& trial, const Store& store)
-      : study_(study), sweep_(trial.sweep), scores_(study, trial.sweep) {
+      : study_(study), sweep_(trial.sweep), measured_(measured_metrics(study)), scores_(study, trial.sweep) {
     std::vector<std::string> missing;
     scores_.take_undisturbed(MemberRows(plan, inputs_of(plan, trial, true), store, missing));
     const TrialGroup swept = inputs_of(plan, trial, false);
@@ -66,10 +81,11 @@ class MarginSearch {
   /// Evaluates every member at these levels; false if it was stopped.
   bool look(const std::vector<double>& levels, std::size_t round, TrialWriter& writer, const std::stop_token& stop) {
     const std::size_t starts = study_.starts.size();
-    std::vector<Matrix<double>> found;  // [level][start]: members x episodes
+    std::vector<std::vector<Matrix<double>>> found;  // [level][start][metric]: members x episodes
     for (std::size_t cell = 0; cell < levels.size() * starts; ++cell) {
       const bool same = episodes_repeat(study_, sweep_, cell % starts);
-      found.emplace_back(policies_.size(), same ? 1 : static_cast<std::size_t>(study_.episodes));
+      const Matrix<double> empty(policies_.size(), same ? 1 : static_cast<std::size_t>(study_.episodes));
+      found.emplace_back(measured_.size(), empty);
     }
     try {
       for (std::size_t member = 0; member < policies_.size(); ++member)
@@ -77,27 +93,29 @@ class MarginSearch {
     } catch (const Stopped&) {
       return false;
     }
-    for (std::size_t cell = 0; cell < found.size(); ++cell)
-      scores_.take(levels[cell / starts], cell % starts, std::as_const(found[cell]).view());
+    for (std::size_t cell = 0; cell < found.size(); ++cell) {
+      const Matrix<double> scores = scores_of(found[cell]);
+      scores_.take(levels[cell / starts], cell % starts, scores.view());
+    }
     return true;
   }
 
  private:
   void evaluate_member(std::size_t member, const std::vector<double>& levels, OutputFile& file,
-                       std::vector<Matrix<double>>& found, const std::stop_token& stop) {
+                       std::vector<std::vector<Matrix<double>>>& found, const std::stop_token& stop) {
     Evaluation evaluation = tasks_[member]->evaluation;
     const SweepCell plain = evaluation.cells.front();
     evaluation.cells.assign(levels.size(), plain);
     for (std::size_t i = 0; i < levels.size(); ++i) evaluation.cells[i].levels.back() = levels[i];
     RowsWriter rows(rows_header(study_, levels.size()), [&](std::string_view bytes) { file.append(bytes); });
     CellCollector collector(study_, evaluation, rows);
-    const std::size_t metric = margin_metric(study_);
     evaluate(evaluation, *policies_[member], [&](const EpisodeIndex& index, const Episode& episode) {
       if (stop.stop_requested()) throw Stopped{};
       collector.take(index, episode);
-      Matrix<double>& values = found[index.cell * study_.starts.size() + index.start];
+      std::vector<Matrix<double>>& values = found[index.cell * study_.starts.size() + index.start];
       const auto place = static_cast<std::size_t>(index.episode);
-      if (place < values.lanes()) values.at(member, place) = collector.last(metric);
+      if (place >= values.front().lanes()) return;
+      for (std::size_t m = 0; m < measured_.size(); ++m) values[m].at(member, place) = collector.last(measured_[m]);
     });
     rows.finish();
     file.close();
@@ -105,6 +123,7 @@ class MarginSearch {
 
   const Study& study_;
   std::size_t sweep_;
+  std::vector<std::size_t> measured_;
   MarginScores scores_;
   std::vector<std::unique_ptr<Policy>> policies_;
   std::vector<std::unique_ptr<TrialEvaluation>> tasks_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gust/eval/metric.h"
+#include "gust/eval/quotient.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -58,11 +60,15 @@ bool MemberRows::next() {
 }
 
 bool MemberRows::has(std::string_view metric) const {
+  if (const auto quotient = quotient_of(metric)) return has(quotient->numerator) && has(quotient->denominator);
   return std::ranges::all_of(readers_,
                              [&](const RowsReader& reader) { return reader.header().column(metric).has_value(); });
 }
 
 Matrix<double> MemberRows::values(std::size_t start, std::string_view metric, bool repeats) const {
+  if (const auto quotient = quotient_of(metric))
+    return quotient_values(values(start, quotient->numerator, repeats).view(),
+                           values(start, quotient->denominator, repeats).view());
   GUST_CHECK(has(metric));
   const auto stored = static_cast<std::size_t>(header().episodes);
   const std::size_t episodes = repeats ? 1 : stored;

@@ -46,7 +46,8 @@ class MemberRows {
 
   /// Whether a metric was measured of all members: rows that another version stored may lack it.
   bool has(std::string_view metric) const;
-  /// One metric that there is, from one start: members x episodes, or one episode where all are the same one.
+  /// One metric that there is, from one start: members x episodes, or one episode where all are the same one. Of a
+  /// quotient what each episode contributes to it (quotient_values).
   Matrix<double> values(std::size_t start, std::string_view metric, bool repeats) const;
 
  private:

@@ -72,9 +72,10 @@ struct OlderRun {
 Names reversed(const Names& without = {}) {
   const MetricSet metrics;
   Names names;
-  for (std::size_t i = metrics.size(); i-- > 0;) {
+  for (const std::size_t i : metrics.stored()) {
     if (std::ranges::find(without, metrics.name(i)) == without.end()) names.push_back(metrics.name(i));
   }
+  std::ranges::reverse(names);
   return names;
 }
 
@@ -109,6 +110,56 @@ TEST_CASE("a metric that the rows lack is not measured, and the others are") {
   CHECK(series.units == expected.units);
   CHECK(run.summary.claims[0].finding.verdict.reason == "not measured: survival of nothing");
   CHECK(run.summary.missing.empty());
+}
+
+TEST_CASE("a quotient of means is known of rows that have both of its metrics") {
+  const OlderRun run(reversed({"ground_contact", "squared_state_sum"}));
+  const std::vector<FormulaValue> asked = {{std::string("nothing")}, {std::string("noise")}};
+  std::vector<double> returns(2), lengths(2);  // by level
+  for_each_export_row(run.study, run.plan, run.older, [&](const ExportRow& row) {
+    CHECK(row.metric != "anr_pooled");
+    if (row.policy != "nothing" || row.sweep != "noise" || row.start != "random") return;
+    if (row.metric == "return_sum") returns[row.level > 0 ? 1 : 0] += row.value;
+    if (row.metric == "length") lengths[row.level > 0 ? 1 : 0] += row.value;
+  });
+
+  const ClaimScores scores({{&run.study, &run.plan, &run.older}}, {"anr", "random"}, Rng(1));
+  const FormulaValue curve = scores.call("anr_pooled", asked);
+  for (std::size_t level = 0; level < 2; ++level) {
+    CHECK(curve.as_list("a test").items[level].as_number("a test").estimate() ==
+          doctest::Approx(returns[level] / lengths[level]).epsilon(1e-14));
+  }
+}
+
+TEST_CASE("a quotient of means is not measured of rows that lack one of its metrics") {
+  const OlderRun run(reversed({"length"}));
+  const ClaimScores scores({{&run.study, &run.plan, &run.older}}, {"anr", "random"}, Rng(1));
+  const FormulaValue policy{std::string("nothing")};
+
+  CHECK_THROWS_WITH_AS(scores.call("anr_pooled", {policy}), doctest::Contains("not measured: anr_pooled of nothing"),
+                       NotTestable);
+}
+
+TEST_CASE("a margin of a quotient of means lies where the quotient has fallen to nine tenths") {
+  ScratchFolder folder("gust-quotient-margin");
+  Store store(folder.path, Store::Access::write);
+  Study study = small_study({"evaluate.metrics=[\"anr_pooled\"]"});
+  const Plan plan = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}}).plan;
+  const Summary summary = summarise(study, plan, store, 1);
+  const std::size_t pooled = study.metric_set.index("anr_pooled", {});
+  constexpr std::size_t kRandom = 1;
+
+  const Series& series = *summary.find(0, 0, kRandom);  // the regulator whose actions are pushed
+  const double limit = 0.9 * summary.undisturbed(0, kRandom);
+  REQUIRE(summary.margin_metric == pooled);
+  REQUIRE(series.margin.reason == "");
+  std::size_t fallen = 0;
+  while (fallen < series.added_levels.size() && series.at_added(pooled, fallen).value >= limit) ++fallen;
+  REQUIRE(fallen > 0);
+  REQUIRE(fallen < series.added_levels.size());
+  CHECK(series.margin.level.estimate >= series.added_levels[fallen - 1]);
+  CHECK(series.margin.level.estimate <= series.added_levels[fallen]);
+  CHECK(series.added_levels[fallen - 1] >= 0.98 * series.added_levels[fallen]);
 }
 
 TEST_CASE("a formula that asks for a metric that the rows lack is not testable") {

@@ -58,7 +58,7 @@ TEST_CASE("the exported table has a row for each episode and metric") {
 
   const auto lines = static_cast<std::size_t>(std::ranges::count(csv, '\n'));
   const std::size_t cells = 2 * (1 + 3 + 2);  // policies x (nominal, push, noise)
-  CHECK(lines == 1 + cells * 2 * 3 * MetricSet().size());
+  CHECK(lines == 1 + cells * 2 * 3 * MetricSet().stored().size());
   CHECK(csv.starts_with(std::string(kExportHead)));
 }
 
@@ -330,7 +330,7 @@ TEST_CASE("no two exported rows agree in all but the value, whatever kinds of sw
   }
   const std::size_t cells = 2 * (1 + 3 + 2 + 6 * 2 + 2 * 2 + 2 * 4);
   CHECK(added > 20);
-  CHECK(rows == 1 + (cells * 2 + added) * 3 * MetricSet().size());  // two starts, three episodes
+  CHECK(rows == 1 + (cells * 2 + added) * 3 * MetricSet().stored().size());  // two starts, three episodes
   CHECK(keys.size() == rows);
   CHECK(counted(folder.path / "rows.db", "select count(*) from episodes") == static_cast<std::int64_t>(rows) - 1);
   CHECK(counted(folder.path / "rows.db",

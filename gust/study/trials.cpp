@@ -192,7 +192,7 @@ Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const
 
 RowsHeader rows_header(const Study& study, std::uint64_t cells) {
   RowsHeader header{.episodes = static_cast<std::uint64_t>(study.episodes), .cells = cells};
-  for (std::size_t m = 0; m < study.metric_set.size(); ++m) header.metrics.push_back(study.metric_set.name(m));
+  for (const std::size_t m : study.metric_set.stored()) header.metrics.push_back(study.metric_set.name(m));
   for (const StartProtocol& start : study.starts) header.starts.push_back(start.name);
   return header;
 }

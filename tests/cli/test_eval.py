@@ -34,7 +34,7 @@ def test_object_has_every_metric_and_both_states(gust):
     (row,) = rows_of(gust, "zero")
     metrics = [metric["name"] for metric in json.loads(gust("list", "metrics", "--json").stdout)]
     assert set(row) == {"episode", "failed", "finite", "return_sum_commanded", "return_sum_disturbed", "initial_state",
-                        "final_state", *metrics}
+                        "final_state", *metrics} - {"anr_pooled"}  # of all episodes together
     assert row["initial_state"] == [0, 0, 0, 0]
     assert row["length"] == 250 and row["return_sum_commanded"] == 250  # nothing moves an upright pole
 
@@ -66,6 +66,28 @@ def test_without_termination_the_row_goes_on_to_the_horizon(gust):
     assert abs(ended["final_state"][2]) == pytest.approx(math.pi / 2, abs=0.2)
     assert ended["rmse_sum"] == pytest.approx(ended["rmse_paper"] * math.sqrt(ended["length"]), rel=1e-12)
     assert whole["anr"] == ended["anr"]  # a metric keeps its definition
+
+
+def test_squared_state_is_that_of_the_state_itself_and_not_of_its_error(gust):
+    (held,) = rows_of(gust, "lqr", "--start", "1,0,0,0", "--set", "goal=[1,0,0,0]")
+    assert held["squared_state_sum"] == pytest.approx(250, rel=1e-12)  # stays at x = 1 m for 250 steps
+    assert held["rmse_sum"] < 1e-6
+    fall = ["zero", "--start", "0,0,0.1,0"]
+    (ended,), (whole,) = rows_of(gust, *fall), rows_of(gust, *fall, "--terminate", "no")
+    assert ended["squared_state_sum"] == pytest.approx(ended["rmse_sum"] ** 2, rel=1e-12)  # the goal is 0
+    assert whole["squared_state_sum"] == pytest.approx(whole["rmse_sum"] ** 2, rel=1e-12)
+
+
+def test_the_table_has_the_quotient_of_mean_return_and_mean_length_and_rows_have_not(gust):
+    noisy = ["lqr", "--start", "random", "--episodes", "25", "--site", "dynamics", "--waveform",
+             "white", "--level", "4"]
+    rows = rows_of(gust, *noisy)
+    pooled = sum(row["return_sum"] for row in rows) / sum(row["length"] for row in rows)
+    assert len({row["length"] for row in rows}) > 3  # some fail early
+    assert "anr_pooled" not in rows[0]
+    table = {line.split()[0]: line.split()[1:] for line in gust("eval", *noisy, "--plant", "cartpole").stdout.splitlines()[3:]}
+    assert [float(number) for number in table["anr_pooled"]] == pytest.approx([pooled] * 3, rel=1e-5)
+    assert abs(float(table["anr"][0]) - pooled) > 1e-3
 
 
 def test_parameters_are_set_or_scaled_behind_the_policy_and_options_before_it(gust):

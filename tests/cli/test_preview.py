@@ -113,3 +113,12 @@ def test_a_wave_at_half_the_control_rate_is_refused_by_every_command(gust, tmp_p
     assert "it acts as one of 1 Hz" in gust(*wave, "frequency=49", code=2).stderr
     assert "2.5 samples a period: its shape is coarse" in gust(*wave, "frequency=20").stderr
     assert gust(*wave, "frequency=5").stderr == ""
+
+
+def test_preview_of_a_ramp_turns_at_the_level_that_is_drawn(gust, tmp_path):
+    ramp = '\n[[sweep]]\nname = "ramp"\nsite = "action"\nwaveform = { kind = "scg_ramp", shape = "triangle" }\nlevels = [0, 0.125]\n'
+    (tmp_path / "ramp.toml").write_text(STUDY + ramp)
+    text = gust("preview", "ramp.toml", env={**os.environ, "LC_ALL": "C"}).stdout
+    lines = text[text.index("drawn at level 0.125"):].splitlines()[2:7]
+    assert lines[0].startswith("    0.125 +") and lines[4].startswith("        0 +")
+    assert "*" in lines[0] and "*" in lines[4]  # it meets both ends

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "gust/core/csv.h"
 #include "gust/core/hash.h"
 #include "gust/study/export.h"
@@ -77,10 +79,16 @@ std::string trained_bits(const Study& study, std::size_t policy) {
   return hash_hex({reinterpret_cast<const char*>(weights.data()), weights.size_bytes()});
 }
 
-/// The exported numbers with a choice of columns that never changes, so that only other numbers give another hash.
+/// The exported numbers with a choice of columns and metrics that never changes, so that only other numbers give
+/// another hash.
 std::string exported_numbers(const Study& study, const Plan& plan, const Store& store) {
+  static constexpr std::string_view kMetrics[] = {"return_sum",    "length",          "anr",        "anr_h",
+                                                  "anr_nt",        "rmse_paper",      "rmse_scg",   "rmse_sum",
+                                                  "survival",      "time_to_failure", "saturation", "max_abs_x",
+                                                  "max_abs_theta", "ground_contact"};
   std::string text = "plant,preset,readings,policy,seed,site,waveform,vary,level,start,episode,metric,value\n";
   for_each_export_row(study, plan, store, [&](const ExportRow& row) {
+    if (std::ranges::find(kMetrics, row.metric) == std::end(kMetrics)) return;
     text += csv_line({row.plant, row.preset, row.readings, row.policy, row.seed, row.site, row.waveform, row.vary,
                       cat(row.level), row.start, cat(row.episode), row.metric, cat(row.value)});
   });

@@ -30,8 +30,10 @@ constexpr const char* kExamples =
     "  gust eval isaac.onnx --plant cartpole --observe=theta,theta_dot=deg/s,-x,x_dot --units N\n"
     "  gust eval ppo --study demo.gust --sweep 'action step' --level 3 --start random\n\n"
     "JSON: an array, one object an episode: length, failed, return_sum_commanded, return_sum_disturbed, every metric "
-    "by its name, initial_state and final_state in the plant's order, and the seed (or file) of a study's policy. "
-    "Length, sums, rmse_paper, rmse_scg, rmse_sum and final_state are over the row's steps: up to failure, or with "
+    "of an episode by its name, initial_state and final_state in the plant's order, and the seed (or file) of a "
+    "study's policy. "
+    "Length, sums, rmse_paper, rmse_scg, rmse_sum, squared_state_sum and final_state are over the row's steps: up to "
+    "failure, or with "
     "--terminate no the whole horizon; the other metrics keep their definition (gust list metrics). With --study "
     "all metrics are the study's.\n\n"
     "Exit code 1: the policy gave NaN or an infinite action.";

@@ -71,9 +71,10 @@ std::string drawing(const Drawn& drawn, const Signals& signals, const PlantSpec&
     std::vector<std::string> names;
     for (const std::size_t channel : group)
       names.push_back(cat(channels[channel].name, " [", channels[channel].unit, "]"));
+    const double factor = drawn.injection.factor(drawn.level);
     std::vector<double> values(static_cast<std::size_t>(spec.steps));
     for (std::size_t k = 0; k < values.size(); ++k) {
-      values[k] = drawn.level * signals.channel(drawn.index, group.front())[k];
+      values[k] = factor * signals.channel(drawn.index, group.front())[k];
     }
     text += indented(join(names, ", "), 2);
     const std::string sampled = sampled_text(drawn, values, drawn.injection.factors[group.front()], spec);
@@ -117,7 +118,8 @@ std::string preview_sweep(const Study& study, std::size_t index) {
   const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
   const Drawn drawn{*sweep.injection, task->injections.size() - 1, shown_level(sweep)};
   text += indented(cat(sweep.injection->canonical(), "; drawn at level ", drawn.level), 2);
-  return text + drawing(drawn, episode_signals(task->evaluation, 0), study.setup.plant->spec());
+  task->evaluation.cells.front().levels.back() = drawn.level;
+  return text + drawing(drawn, *episode_signals(task->evaluation, {}), study.setup.plant->spec());
 }
 
 /// What is on in every evaluation.
@@ -127,7 +129,7 @@ std::string preview_always(const Study& study) {
   for (std::size_t i = 0; i < study.always.size(); ++i) {
     const Drawn drawn{study.always[i], i, study.always[i].level};
     text += cat("\nin every evaluation\n", indented(cat(drawn.injection.canonical(), "; level ", drawn.level), 2));
-    text += drawing(drawn, episode_signals(task->evaluation, 0), study.setup.plant->spec());
+    text += drawing(drawn, *episode_signals(task->evaluation, {}), study.setup.plant->spec());
   }
   return text;
 }

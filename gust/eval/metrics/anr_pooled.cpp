@@ -1,0 +1,24 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct AnrPooled {
+  static constexpr bool kHigherIsBetter = true;
+  static constexpr std::string_view kUnit = "";
+  static constexpr Quotient kQuotient = {"return_sum", "length"};
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return episode.ended.return_sum / steps_of(episode.ended); }
+};
+
+}  // namespace
+
+Entry<Metric> metric_anr_pooled() {
+  return metric_entry<AnrPooled>("anr_pooled",
+                                 "Mean return over the episodes of a cell, divided by their mean length: long episodes "
+                                 "count for more than in anr.",
+                                 "what the scripts of Glossop et al. 2022 store (mean return and mean length)");
+}
+
+}  // namespace gust

@@ -1,0 +1,23 @@
+#include "gust/eval/metric_entry.h"
+
+namespace gust {
+namespace {
+
+struct SquaredStateSum {
+  static constexpr bool kHigherIsBetter = false;
+  static constexpr std::string_view kUnit = "mixed";
+  static constexpr std::tuple<> kFields = {};
+
+  double value(const Episode& episode) const { return episode.ended.squared_state; }
+};
+
+}  // namespace
+
+Entry<Metric> metric_squared_state_sum() {
+  return metric_entry<SquaredStateSum>("squared_state_sum",
+                                       "Sum of the squared state after each step, all components in SI units, until "
+                                       "the episode ends: it grows with the length of the episode.",
+                                       "the \"cost\" that the scripts of Glossop et al. 2022 plot");
+}
+
+}  // namespace gust
