@@ -63,8 +63,8 @@ PaperProfile parse_profile(const Table& table) {
 }
 
 PaperReading parse_reading(const Table& table) {
-  std::vector<std::string> known = {"name", "says",  "settings", "figures", "instead",
-                                    "asks", "start", "median",   "claims",  "printed"};
+  std::vector<std::string> known = {"name", "says",  "common", "settings", "figures", "instead",
+                                    "asks", "start", "median", "claims",   "printed"};
   const std::vector<std::string> figures = texts_of(table, "figures");
   known.insert(known.end(), figures.begin(), figures.end());
   check_keys(table, known, "a reading");
@@ -74,6 +74,7 @@ PaperReading parse_reading(const Table& table) {
   }
   reading.name = required_text(table, "name", "a reading");
   reading.says = required_text(table, "says", "a reading");
+  reading.common = texts_of(table, "common");
   reading.settings = texts_of(table, "settings");
   reading.figures = figures;
   reading.start = text_of(table, "start");

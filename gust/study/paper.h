@@ -21,7 +21,8 @@ struct PaperProfile {
 struct PaperReading {
   std::string name;
   std::string says;
-  std::vector<std::string> settings;                    ///< of its studies; "{study}" stands for a study's name
+  std::vector<std::string> common;                      ///< settings of all its studies
+  std::vector<std::string> settings;                    ///< further ones; "{study}" stands for a study's name
   std::map<std::string, std::vector<std::string>> own;  ///< of one study, in place of those
   std::vector<std::string> figures;                     ///< whose studies it changes; all others are the main reading's
   std::map<std::string, std::string> instead;           ///< what claims ask for, and what they ask for here

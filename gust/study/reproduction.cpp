@@ -55,11 +55,11 @@ std::int64_t most_seeds(const Study& study) {
 std::vector<std::string> reading_settings(const PaperReading& reading, const std::string& study) {
   constexpr std::string_view kStudy = "{study}";
   const auto own = reading.own.find(study);
-  if (own != reading.own.end()) return own->second;
-  std::vector<std::string> settings = reading.settings;
-  for (std::string& setting : settings) {
+  std::vector<std::string> settings = reading.common;
+  for (std::string setting : own != reading.own.end() ? own->second : reading.settings) {
     const std::size_t at = setting.find(kStudy);
     if (at != std::string::npos) setting.replace(at, kStudy.size(), study);
+    settings.push_back(std::move(setting));
   }
   return settings;
 }

@@ -33,7 +33,7 @@ TEST_CASE("a place beyond the levels is a mistake before any work, whichever rea
     std::erase_if(sweep.axes.front().values, [](double level) { return level > 4; });
   }
 
-  CHECK_THROWS_WITH_AS(check_claims(reproduction), "C15, scg-2022: 5 lies beyond the levels, 0 to 3", Error);
+  CHECK_THROWS_WITH_AS(check_claims(reproduction), "C15, authors' scripts: 5 lies beyond the levels, 0 to 3", Error);
 }
 
 TEST_CASE("medians of trainings bear on every claim that asks for trainings, by whatever name") {
@@ -112,13 +112,15 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   const Reproduction reproduction =
       open_reproduction(paper, {.profile = "quick", .only = {"learning-curves", "white"}, .seeds = {}});
 
-  // Two of the main reading, of scg-default, of RAP goes on and of RARL at 0.01; white under three more.
-  REQUIRE(reproduction.studies.size() == 11);
+  // Two of the main reading, of its authors', of scg-default, of RAP goes on and of RARL at 0.01; white under three more.
+  REQUIRE(reproduction.studies.size() == 13);
   CHECK(reproduction.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2});
   CHECK(reproduction.studies[0].study.policies[1].agent->steps() == 100'000);
-  CHECK(reproduction.studies[2].study.setup.preset == "scg-default");
+  CHECK(reproduction.studies[2].study.policies[4].agent.canonical.find("site = \"dynamics\"") != std::string::npos);
+  CHECK(reproduction.studies[2].study.starts[0].name == "x=0.55 theta=0.3");
+  CHECK(reproduction.studies[4].study.setup.preset == "scg-default");
   CHECK(reproduction.find(1, "white") == 3);
-  CHECK(reproduction.find(4, "white") == 1);  // that reading leaves the studies alone
+  CHECK(reproduction.find(5, "white") == 1);  // that reading leaves the studies alone
   CHECK_FALSE(reproduction.find(0, "step").has_value());
   const Reproduction more = open_reproduction(paper, {.profile = "paper", .only = {"white"}, .seeds = 3});
   CHECK(more.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2, 3});
