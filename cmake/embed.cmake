@@ -86,7 +86,7 @@ endfunction()
 # gust_embed_paper(TARGET): what studies/paper holds, as gust::paper_file("paper.toml").
 function(gust_embed_paper target)
   set(folder ${PROJECT_SOURCE_DIR}/studies/paper)
-  file(GLOB names CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*.toml ${folder}/*.csv)
+  file(GLOB names CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*.toml ${folder}/*.csv ${folder}/*.md)
   list(TRANSFORM names REPLACE "(.+)" "\\1=${folder}/\\1" OUTPUT_VARIABLE files)
   gust_embed(${target} HEADER gust/study/paper_files.h FUNCTION paper_file FILES ${files})
 endfunction()

@@ -125,6 +125,8 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   }
   text += "\n## How the paper can be read\n\n";
   for (const auto& reading : page.readings) text += cat("- **", reading.name, "**: ", reading.says, "\n");
+  const std::string& checks = results.reproduction.paper->checks;
+  if (!checks.empty()) text += cat("\n## Checks from outside\n\n", checks);
   for (const auto& figure : page.figures) {
     text += cat("\n## ", figure.place, ": ", figure.title, "\n\nThe paper: ", figure.says, "\n\n");
     if (!figure.trained.empty()) text += cat(figure.trained, "\n\n");

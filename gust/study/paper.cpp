@@ -216,6 +216,7 @@ Paper parse_paper(const PaperFiles& files) {
   Paper paper;
   parse_manifest(files.manifest, paper);
   parse_claims(files.claims, paper);
+  paper.checks = files.checks;
   const CsvTable csv(files.tables, "tables.csv");
   for (std::size_t i = 0; i < csv.size(); ++i) {
     paper.tables.push_back(
@@ -226,7 +227,7 @@ Paper parse_paper(const PaperFiles& files) {
 
 const Paper& paper_at(std::string_view name) {
   static const Paper paper =
-      parse_paper({paper_file("paper.toml"), paper_file("claims.toml"), paper_file("tables.csv")});
+      parse_paper({paper_file("paper.toml"), paper_file("claims.toml"), paper_file("tables.csv"), paper_file("checks.md")});
   if (name == paper.name) return paper;
   throw Error(cat("there is no reproduction '", name, "'", did_you_mean(name, std::vector<std::string>{paper.name}),
                   "; it is 'paper'"));

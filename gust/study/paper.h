@@ -97,6 +97,7 @@ struct Paper {
   std::vector<PaperClaim> claims;
   std::vector<PaperPremise> premises;
   std::vector<PrintedValue> tables;
+  std::string checks;  ///< what else agrees with the paper's authors, as Markdown; may be empty
 
   const PaperFigure* figure(std::string_view study) const;
 };
@@ -106,6 +107,7 @@ struct PaperFiles {
   std::string_view manifest;  ///< paper.toml
   std::string_view claims;    ///< claims.toml
   std::string_view tables;    ///< tables.csv
+  std::string_view checks = {};  ///< checks.md
 };
 
 /// Reads a paper. Throws Error with file, line and column.

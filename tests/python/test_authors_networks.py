@@ -20,14 +20,25 @@ CHECK = script()
 pytestmark = pytest.mark.skipif(not CHECK.FOLDER.is_dir(), reason=f"the networks are no part of the project: no {CHECK.FOLDER}")
 
 
+@pytest.fixture(scope="module")
+def found():
+    return CHECK.measured(CHECK.FOLDER)
+
+
 def deviations(**changes):
     found = CHECK.measured(CHECK.FOLDER, **changes)
     assert len(found) == 20
     return {column: CHECK.root_mean_square(found, column) for column in CHECK.METRICS}
 
 
-def test_all_checkpoints_agree_with_the_log_within_sampling_error():
-    assert {column: z for column, z in deviations().items() if z > CHECK.LIMIT} == {}
+def test_all_checkpoints_agree_with_the_log_within_sampling_error(found):
+    assert len(found) == 20
+    deviations = {column: CHECK.root_mean_square(found, column) for column in CHECK.METRICS}
+    assert {column: z for column, z in deviations.items() if z > CHECK.LIMIT} == {}
+
+
+def test_the_committed_table_is_what_is_measured(found):
+    assert (ROOT / "studies/paper/checks.md").read_text().endswith(CHECK.table(found) + "\n")
 
 
 def test_the_log_tells_a_wider_rail_and_other_weights_from_its_own_settings():
