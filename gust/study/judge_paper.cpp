@@ -117,6 +117,7 @@ class Judge {
     result.share = finding.share;
     result.parts = finding.parts.size();
     result.true_parts = finding.true_parts();
+    result.each_part = std::move(finding.parts);
     return result;
   }
 

@@ -226,8 +226,8 @@ Paper parse_paper(const PaperFiles& files) {
 }
 
 const Paper& paper_at(std::string_view name) {
-  static const Paper paper =
-      parse_paper({paper_file("paper.toml"), paper_file("claims.toml"), paper_file("tables.csv"), paper_file("checks.md")});
+  static const Paper paper = parse_paper(
+      {paper_file("paper.toml"), paper_file("claims.toml"), paper_file("tables.csv"), paper_file("checks.md")});
   if (name == paper.name) return paper;
   throw Error(cat("there is no reproduction '", name, "'", did_you_mean(name, std::vector<std::string>{paper.name}),
                   "; it is 'paper'"));

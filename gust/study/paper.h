@@ -104,9 +104,9 @@ struct Paper {
 
 /// The texts of a paper.
 struct PaperFiles {
-  std::string_view manifest;  ///< paper.toml
-  std::string_view claims;    ///< claims.toml
-  std::string_view tables;    ///< tables.csv
+  std::string_view manifest;     ///< paper.toml
+  std::string_view claims;       ///< claims.toml
+  std::string_view tables;       ///< tables.csv
   std::string_view checks = {};  ///< checks.md
 };
 

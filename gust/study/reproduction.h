@@ -50,7 +50,8 @@ struct PaperVerdict {
   std::size_t true_parts = 0;      ///< those that are true, at the estimate
   std::size_t left_out_parts = 0;  ///< beside them: those whose premise did not happen here
 
-  Ruling widened = Ruling::not_testable;  ///< by intervals that are wide enough for so few seeds (Finding)
+  std::vector<PartFinding> each_part = {};  ///< what became of every part; not kept with the results
+  Ruling widened = Ruling::not_testable;    ///< by intervals that are wide enough for so few seeds (Finding)
 
   bool decided() const { return verdict.ruling == Ruling::holds || verdict.ruling == Ruling::fails; }
 };

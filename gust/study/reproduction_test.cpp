@@ -112,7 +112,8 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   const Reproduction reproduction =
       open_reproduction(paper, {.profile = "quick", .only = {"learning-curves", "white"}, .seeds = {}});
 
-  // Two of the main reading, of its authors', of scg-default, of RAP goes on and of RARL at 0.01; white under three more.
+  // Two of the main reading, of its authors', of scg-default, of RAP goes on and of RARL at 0.01; white under three
+  // more.
   REQUIRE(reproduction.studies.size() == 13);
   CHECK(reproduction.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2});
   CHECK(reproduction.studies[0].study.policies[1].agent->steps() == 100'000);

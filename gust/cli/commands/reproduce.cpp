@@ -24,6 +24,8 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string paper, out;
   ReproductionChoice choice;
+  std::vector<std::string> claims;   ///< whose parts are asked for
+  std::vector<std::string> figures;  ///< "4", "S1"
   std::size_t threads = 0;
   bool so_far = false;
   bool json = false;
@@ -76,10 +78,75 @@ PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& o
   return results;
 }
 
-/// "undecided (2)" where that few seeds cannot decide anything.
-std::string ruling_text(const PaperVerdict& verdict) {
-  const std::string name(ruling_name(verdict.verdict.ruling));
+Grade grade_of(const PaperVerdict& verdict) {
+  return gust::grade_of(verdict.verdict.ruling, verdict.parts, verdict.true_parts, verdict.left_out_parts);
+}
+
+/// "open (2)" where that few seeds cannot decide anything.
+std::string grade_text(const PaperVerdict& verdict) {
+  const std::string name(grade_name(grade_of(verdict)));
   return verdict.seeds > 0 && verdict.seeds < kSeedsForVerdict ? cat(name, " (", verdict.seeds, ")") : name;
+}
+
+/// Claims of the figures that were run which need another study as well.
+std::string left_out_text(const PaperResults& results) {
+  const Paper& paper = *results.reproduction.paper;
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < paper.claims.size(); ++c) {
+    const PaperClaim& claim = paper.claims[c];
+    std::vector<std::string> missing;
+    for (const std::string& study : claim.from) {
+      if (!results.reproduction.find(0, study)) missing.push_back(study);
+    }
+    if (!missing.empty() && missing.size() < claim.from.size())
+      parts.push_back(cat(claim.id, " needs ", join(missing, " and ")));
+  }
+  return parts.empty() ? "" : cat("Not asked: ", join(parts, "; "), " (--only).");
+}
+
+/// A verdict with every part: what became of it, by how much it is true, and what its names stand for.
+std::string parts_text(const Paper& paper, const PaperVerdict& verdict) {
+  std::string text = cat(paper.readings[verdict.reading].name, ": ", grade_name(grade_of(verdict)), ", ",
+                         verdict.true_parts, " of ", counted(verdict.parts, "part", "parts"), " true");
+  if (verdict.left_out_parts > 0) text += cat(", ", verdict.left_out_parts, " not comparable");
+  text += cat("; ", verdict.verdict.reason, "\n");
+  std::string statement;
+  for (const PartFinding& part : verdict.each_part) {
+    if (part.statement != statement) {
+      statement = part.statement;
+      std::string line = statement;
+      std::ranges::replace(line, '\n', ' ');
+      text += cat("  ", line, "\n");
+    }
+    Interval margin = part.margin;
+    margin.unit = Unit::none;
+    const std::string_view ruling = part.ruling == Ruling::holds   ? "shown"
+                                    : part.ruling == Ruling::fails ? "refuted"
+                                    : part.is_true                 ? "open, true"
+                                                                   : "open, false";
+    text += fmt::format("    {:<12} {:<28} {}\n", ruling, interval_text(margin), part.label);
+  }
+  return text;
+}
+
+/// Claims with all their parts, under the reading that decides and the others.
+std::string claims_text(const PaperResults& results, const std::vector<std::string>& ids) {
+  const Paper& paper = *results.reproduction.paper;
+  std::string text;
+  for (std::size_t c = 0; c < paper.claims.size(); ++c) {
+    if (std::ranges::find(ids, paper.claims[c].id) == ids.end()) continue;
+    text += cat(paper.claims[c].id, ": ", paper.claims[c].text, "\n\n");
+    const std::vector<const PaperVerdict*> on = results.on(c);
+    for (const PaperVerdict* verdict : on) {
+      if (verdict == on.front())
+        text += cat(parts_text(paper, *verdict), on.size() > 1 ? "\nOther readings\n" : "");
+      else
+        text += fmt::format("  {:<24} {:<16} {} of {} true\n", paper.readings[verdict->reading].name,
+                            grade_name(grade_of(*verdict)), verdict->true_parts, verdict->parts);
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 std::string verdicts_text(const PaperResults& results) {
@@ -91,25 +158,43 @@ std::string verdicts_text(const PaperResults& results) {
     const std::vector<const PaperVerdict*> on = results.on(c);
     if (on.empty()) continue;
     const auto same = std::ranges::count_if(
-        on, [&](const PaperVerdict* verdict) { return verdict->verdict.ruling == on.front()->verdict.ruling; });
-    const std::string line = fmt::format("{:<4} {:<14} {:>2}/{:<2}  {}", paper.claims[c].id, ruling_text(*on.front()),
+        on, [&](const PaperVerdict* verdict) { return grade_of(*verdict) == grade_of(*on.front()); });
+    const std::string line = fmt::format("{:<4} {:<15} {:>2}/{:<2}  {}", paper.claims[c].id, grade_text(*on.front()),
                                          same, on.size(), paper.claims[c].text);
     text += cat(fitted(line, columns), "\n");
   }
   if (!results.verdicts.empty())
     text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
+  if (const std::string left_out = left_out_text(results); !left_out.empty()) text += cat(left_out, "\n\n");
   for (const std::string& sentence : findings(results)) text += cat(sentence, "\n");
   return text;
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json parts_json(const PaperVerdict& verdict) {
+  Json parts = Json::array();
+  for (const PartFinding& part : verdict.each_part)
+    parts.push_back({{"statement", part.statement},
+                     {"names", part.label},
+                     {"verdict", ruling_name(part.ruling)},
+                     {"true", part.is_true},
+                     {"estimate", number(part.margin.estimate)},
+                     {"low", number(part.margin.low)},
+                     {"high", number(part.margin.high)}});
+  return parts;
 }
 
 std::string verdicts_json(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   Json claims = Json::array();
-  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   for (const PaperVerdict& verdict : results.verdicts) {
     claims.push_back({{"id", paper.claims[verdict.claim].id},
                       {"reading", paper.readings[verdict.reading].name},
                       {"verdict", ruling_name(verdict.verdict.ruling)},
+                      {"grade", grade_name(grade_of(verdict))},
+                      {"parts", parts_json(verdict)},
+                      {"left_out_parts", verdict.left_out_parts},
                       {"estimate", number(verdict.measured.estimate)},
                       {"low", number(verdict.measured.low)},
                       {"high", number(verdict.measured.high)},
@@ -147,11 +232,47 @@ void check_progress(const std::filesystem::path& folder, const std::vector<RunOu
                     "; choose another --out"));
 }
 
+/// Adds to what is to be run the studies of claims and figures that are asked for by name.
+void add_asked(const Options& options, ReproductionChoice& choice) {
+  const Paper& paper = paper_at(options.paper);
+  for (const std::string& id : options.claims) {
+    const auto claim = std::ranges::find(paper.claims, id, &PaperClaim::id);
+    if (claim == paper.claims.end()) {
+      std::vector<std::string> ids;
+      for (const PaperClaim& known : paper.claims) ids.push_back(known.id);
+      throw Error(
+          cat("there is no claim '", id, "'", did_you_mean(id, ids), "; they are ", ids.front(), " to ", ids.back()));
+    }
+    choice.only.insert(choice.only.end(), claim->from.begin(), claim->from.end());
+    for (const PaperPremise& premise : paper.premises) {
+      if (std::ranges::find(premise.claims, id) != premise.claims.end())
+        choice.only.insert(choice.only.end(), premise.from.begin(), premise.from.end());
+    }
+  }
+  for (const std::string& number : options.figures) {
+    const auto figure = std::ranges::find(paper.figures, cat("Figure ", number), &PaperFigure::place);
+    if (figure == paper.figures.end()) {
+      std::vector<std::string> places;
+      for (const PaperFigure& known : paper.figures) places.push_back(known.place);
+      throw Error(cat("there is no Figure ", number, "; there are ", join(places, ", ")));
+    }
+    choice.only.push_back(figure->study);
+  }
+}
+
+/// Runs what some claims need in the store of a folder, whose results stay as they are, and tells their parts.
+int tell_claims(const Options& options, const PaperResults& results) {
+  for (const std::string& line : results.failures) tell(line);
+  fmt::print("{}", options.json ? verdicts_json(results) + "\n" : claims_text(results, options.claims));
+  return results.failures.empty() && results.missing == 0 ? kDone : kTrialFailed;
+}
+
 int reproduce(Options& options) {
+  add_asked(options, options.choice);
   Reproduction reproduction = chosen_reproduction(options.paper, options.choice);
   check_claims(reproduction);
   const StudyFolder folder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
-  check_folder(folder.path(), reproduction);
+  if (options.claims.empty()) check_folder(folder.path(), reproduction);
   const std::size_t threads = thread_count(options.threads);
   const Store store(folder.store(), Store::Access::write, tell);
   const Run run = options.so_far ? look_up_all(reproduction, store) : run_all(reproduction, store, threads);
@@ -159,8 +280,9 @@ int reproduce(Options& options) {
     tell("stopped; the same command goes on from here");
     return run.stopped;
   }
-  if (options.so_far) check_progress(folder.path(), run.outcomes);
+  if (options.so_far && options.claims.empty()) check_progress(folder.path(), run.outcomes);
   const PaperResults results = collect(std::move(reproduction), run.outcomes, store, threads);
+  if (!options.claims.empty()) return tell_claims(options, results);
   for (const std::string& line : results.failures) tell(line);
   std::string page;
   try {
@@ -224,6 +346,10 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("reproduce", "Runs a paper's studies and decides its claims");
   command->add_option("PAPER", options->paper, "the paper: 'paper'")->required();
   add_choice(*command, options->choice);
+  command->add_option("--claim", options->claims, "run what a claim needs, and tell all its parts; may be repeated")
+      ->type_name("ID");
+  command->add_option("--figure", options->figures, "a figure by its number in the paper, as --only; may be repeated")
+      ->type_name("NUMBER");
   command->add_option("--out", options->out, "result folder (default: ./paper.gust, or ./paper-quick.gust)")
       ->type_name("DIR");
   command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
@@ -232,7 +358,8 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   command->add_flag("--so-far", options->so_far, "run nothing: judge what earlier runs have left");
   command->add_flag("--json", options->json, "verdicts as one JSON object");
   command->footer(
-      "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust");
+      "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust\n"
+      "  gust reproduce paper --claim C13\n  gust reproduce paper --figure 4 --out figure-4.gust");
   command->callback([options, &exit_code] { exit_code = reproduce(*options); });
 }
 
