@@ -36,6 +36,16 @@ enum class Ruling { holds, fails, undecided, not_testable };
 /// "holds", "fails", "undecided" or "not testable".
 std::string_view ruling_name(Ruling ruling);
 
+/// A verdict as a reader hears it: how much of a claim of many parts was shown.
+enum class Grade { shown, open, refuted_in_part, refuted, not_comparable, not_testable };
+
+/// "shown", "open", "refuted in part", "refuted", "not comparable" or "not testable".
+std::string_view grade_name(Grade grade);
+
+/// Refuted in part: some of its parts are true at the estimate. Not comparable: the premise of all its parts did not
+/// happen here.
+Grade grade_of(Ruling ruling, std::size_t parts, std::size_t true_parts, std::size_t left_out_parts);
+
 struct Verdict {
   Ruling ruling = Ruling::not_testable;
   std::string reason;       ///< a sentence with the numbers

@@ -216,6 +216,39 @@ std::string_view ruling_name(Ruling ruling) {
   return "not testable";
 }
 
+std::string_view grade_name(Grade grade) {
+  switch (grade) {
+    case Grade::shown:
+      return "shown";
+    case Grade::open:
+      return "open";
+    case Grade::refuted_in_part:
+      return "refuted in part";
+    case Grade::refuted:
+      return "refuted";
+    case Grade::not_comparable:
+      return "not comparable";
+    case Grade::not_testable:
+      break;
+  }
+  return "not testable";
+}
+
+Grade grade_of(Ruling ruling, std::size_t parts, std::size_t true_parts, std::size_t left_out_parts) {
+  if (parts == 0 && left_out_parts > 0) return Grade::not_comparable;
+  switch (ruling) {
+    case Ruling::holds:
+      return Grade::shown;
+    case Ruling::undecided:
+      return Grade::open;
+    case Ruling::fails:
+      return true_parts > 0 ? Grade::refuted_in_part : Grade::refuted;
+    case Ruling::not_testable:
+      break;
+  }
+  return Grade::not_testable;
+}
+
 std::string needed_text(double number, Unit unit) {
   if (std::isnan(number)) return "more seeds and more episodes would decide";
   if (!std::isfinite(number) || number > 1e3 * kMostNeeded)

@@ -6,7 +6,6 @@
 
 #include "gust/eval/claim.h"
 #include "gust/report/page.h"
-#include "gust/study/reproduction.h"
 
 namespace gust {
 

@@ -8,7 +8,6 @@
 #include "gust/core/error.h"
 #include "gust/core/text.h"
 #include "gust/report/html.h"
-#include "gust/study/reproduction.h"
 
 namespace gust {
 namespace {

@@ -215,39 +215,6 @@ class Judge {
 
 }  // namespace
 
-std::string_view grade_name(Grade grade) {
-  switch (grade) {
-    case Grade::shown:
-      return "shown";
-    case Grade::open:
-      return "open";
-    case Grade::refuted_in_part:
-      return "refuted in part";
-    case Grade::refuted:
-      return "refuted";
-    case Grade::not_comparable:
-      return "not comparable";
-    case Grade::not_testable:
-      break;
-  }
-  return "not testable";
-}
-
-Grade grade_of(Ruling ruling, std::size_t parts, std::size_t true_parts, std::size_t left_out_parts) {
-  if (parts == 0 && left_out_parts > 0) return Grade::not_comparable;
-  switch (ruling) {
-    case Ruling::holds:
-      return Grade::shown;
-    case Ruling::undecided:
-      return Grade::open;
-    case Ruling::fails:
-      return true_parts > 0 ? Grade::refuted_in_part : Grade::refuted;
-    case Ruling::not_testable:
-      break;
-  }
-  return Grade::not_testable;
-}
-
 std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
                                       const Store& store, std::size_t threads) {
   const Judge judge(reproduction, plans, &store);

@@ -56,16 +56,6 @@ struct PaperVerdict {
   bool decided() const { return verdict.ruling == Ruling::holds || verdict.ruling == Ruling::fails; }
 };
 
-/// A verdict as a reader hears it: how much of a claim of many parts was shown.
-enum class Grade { shown, open, refuted_in_part, refuted, not_comparable, not_testable };
-
-/// "shown", "open", "refuted in part", "refuted", "not comparable" or "not testable".
-std::string_view grade_name(Grade grade);
-
-/// Refuted in part: some of its parts are true at the estimate. Not comparable: the premise of all its parts did not
-/// happen here.
-Grade grade_of(Ruling ruling, std::size_t parts, std::size_t true_parts, std::size_t left_out_parts);
-
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose
 /// studies are not to be run are left out. `plans` are those of the studies. Equal data give equal bits for any number
 /// of threads.

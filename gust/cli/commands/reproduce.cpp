@@ -13,6 +13,7 @@
 #include "gust/cli/signals.h"
 #include "gust/cli/study_command.h"
 #include "gust/core/text.h"
+#include "gust/report/html.h"
 #include "gust/report/reproduction_results.h"
 #include "gust/study/files.h"
 
