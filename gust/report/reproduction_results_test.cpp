@@ -116,7 +116,7 @@ TEST_CASE("the findings name what the paper leads with") {
   results.verdicts.push_back({2, 0, {0.5, 0.25, 0.75}, {Ruling::fails, ""}, 5});  // C3
   results.verdicts.back().parts = 8;
   results.verdicts.back().true_parts = 7;
-  results.verdicts.push_back({2, 2, {0.5, 0.25, 0.75}, {Ruling::holds, ""}, 5});
+  results.verdicts.push_back({2, 3, {0.5, 0.25, 0.75}, {Ruling::holds, ""}, 5});
 
   CHECK(says(findings(results),
              "What the paper leads with, C3, “Every agent is more robust to disturbed actions than "
@@ -155,7 +155,7 @@ TEST_CASE("the page and the text of a reproduction hold its figures and claims, 
             "C7.\n") != std::string::npos);
   CHECK(text.find("- It is open, and one training of each policy would show it in 10 to 90 % of draws. 1 claim: "
                   "C8.\n") != std::string::npos);
-  CHECK(text.find("| **shown** | 0.5 [0.25, 0.75] | – | 25 % | refuted: scg-default |") != std::string::npos);
+  CHECK(text.find("| **shown** | 0.5 [0.25, 0.75] | – | 25 % | refuted: authors' scripts |") != std::string::npos);
   CHECK(text.find("| refuted in part | 0.5 [0.25, 0.75] | 3 of 4 | 25 % |") != std::string::npos);
   CHECK(text.find("## What failed\n\n- train ppo seed 1 failed") != std::string::npos);
   CHECK(text.ends_with("bar\n"));

@@ -243,6 +243,8 @@ std::vector<const PaperVerdict*> PaperResults::on(std::size_t claim) const {
 void reduce_to_tables(PaperResults& results) {
   for (Summary& summary : results.summaries) {
     for (Series& series : summary.series) {
+      series.added_levels.clear();
+      series.added_values.clear();
       for (Estimate& cell : series.values) cell = {rounded(cell.value), rounded(cell.low), rounded(cell.high)};
     }
   }

@@ -37,8 +37,9 @@ struct PaperResults {
 void write_results(const PaperResults& results, const std::filesystem::path& folder);
 PaperResults read_results(const std::filesystem::path& folder);
 
-/// Leaves what the tables hold, so that a page made of them is this one: means and intervals to seven digits, learning
-/// curves and kept episodes of those figures alone that show them.
+/// Leaves what the tables hold, so that a page made of them is this one: means and intervals to seven digits at the
+/// levels of the studies (a margin stands without those that it asked for), learning curves and kept episodes of those
+/// figures alone that show them.
 void reduce_to_tables(PaperResults& results);
 
 /// What the results in a folder are of.
