@@ -194,6 +194,9 @@ Finding found(const Formula::Judged& judged, std::optional<std::size_t> seeds, c
   if (finding.seeds >= kSeedsForVerdict) finding.widened = deciding(weighed(all, widened_tail(finding.seeds))).ruling;
   if (!seeds || *seeds >= kSeedsForVerdict) return finding;
   finding.widened = Ruling::undecided;
+  for (PartFinding& part : finding.parts) {
+    if (part.ruling != Ruling::not_testable) part.ruling = Ruling::undecided;
+  }
   verdict = {Ruling::undecided,
              cat(interval_text(finding.measured), "; ", *seeds, *seeds == 1 ? " seed" : " seeds", "; five are needed"),
              "five are needed"};

@@ -359,8 +359,7 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   command->add_flag("--so-far", options->so_far, "run nothing: judge what earlier runs have left");
   command->add_flag("--json", options->json, "verdicts as one JSON object");
   command->footer(
-      "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust\n"
-      "  gust reproduce paper --claim C13\n  gust reproduce paper --figure 4 --out figure-4.gust");
+      "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust");
   command->callback([options, &exit_code] { exit_code = reproduce(*options); });
 }
 
