@@ -23,10 +23,6 @@ std::vector<const PaperVerdict*> deciding(const PaperResults& results) {
   return all;
 }
 
-Grade grade_of(const PaperVerdict& verdict) {
-  return gust::grade_of(verdict.verdict.ruling, verdict.parts, verdict.true_parts, verdict.left_out_parts);
-}
-
 std::string counts_sentence(const PaperResults& results) {
   const std::vector<const PaperVerdict*> verdicts = deciding(results);
   if (verdicts.empty()) return "";
@@ -34,7 +30,7 @@ std::string counts_sentence(const PaperResults& results) {
   for (const Grade grade : {Grade::shown, Grade::open, Grade::refuted_in_part, Grade::refuted, Grade::not_comparable,
                             Grade::not_testable}) {
     const auto count =
-        std::ranges::count_if(verdicts, [&](const PaperVerdict* verdict) { return grade_of(*verdict) == grade; });
+        std::ranges::count_if(verdicts, [&](const PaperVerdict* verdict) { return verdict->grade() == grade; });
     if (count > 0)
       counts.push_back(cat(count, counts.empty() ? count == 1 ? " is " : " are " : " ", grade_name(grade)));
   }
@@ -95,7 +91,7 @@ std::string leading_sentence(const PaperResults& results) {
   const PaperVerdict& main = *on.front();
   const bool holds = main.verdict.ruling == Ruling::holds;
   return cat("What the paper leads with, ", leads->id, ", “", leads->text.substr(0, leads->text.find(" (")), "”, ",
-             "is ", grade_name(grade_of(main)),
+             "is ", grade_name(main.grade()),
              holds ? "" : cat(", with ", main.true_parts, " of ", counted(main.parts, "part", "parts"), " true"),
              holds || otherwise.empty() ? "" : cat("; it is shown under ", join(otherwise, ", ")), ".");
 }

@@ -222,15 +222,6 @@ std::vector<Estimate> map_cells(const PaperMap& map, const Study& study, const S
   return cells;
 }
 
-std::vector<std::size_t> verdict_counts(const PaperResults& results) {
-  std::vector<std::size_t> counts(4);
-  for (std::size_t c = 0; c < results.reproduction.paper->claims.size(); ++c) {
-    const std::vector<const PaperVerdict*> on = results.on(c);
-    if (!on.empty()) ++counts[static_cast<std::size_t>(on.front()->verdict.ruling)];
-  }
-  return counts;
-}
-
 ReproductionPage reproduction_page(const PaperResults& results, const std::string& command) {
   const Paper& paper = *results.reproduction.paper;
   ReproductionPage page;

@@ -30,7 +30,4 @@ std::vector<std::string> findings(const PaperResults& results);
 /// The same results as a text in Markdown: docs/reproduce.md.
 std::string reproduction_text(const PaperResults& results, const std::string& command);
 
-/// How many verdicts of the deciding readings there are of each kind, in the order of Ruling.
-std::vector<std::size_t> verdict_counts(const PaperResults& results);
-
 }  // namespace gust

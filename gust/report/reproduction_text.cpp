@@ -28,13 +28,6 @@ std::string grade_text(Grade grade) {
   return grade == Grade::shown || grade == Grade::refuted ? cat("**", name, "**") : name;
 }
 
-/// "7 of 8, 2 not comparable"
-std::string parts_text(const ReproductionPage::Verdict& verdict) {
-  std::string text = verdict.parts > 0 ? cat(verdict.true_parts, " of ", verdict.parts) : "";
-  if (verdict.left_out_parts > 0) text += cat(text.empty() ? "" : ", ", verdict.left_out_parts, " not comparable");
-  return text.empty() ? "–" : text;
-}
-
 /// The readings under which the verdict is another one: "refuted: saturate before; open: not terminated".
 std::string other_verdicts(const ReproductionPage& page, const ReproductionPage::Claim& claim) {
   std::vector<std::string> parts;
@@ -57,12 +50,13 @@ std::string claims_table(const ReproductionPage& page, const ReproductionPage::F
   for (const auto& claim : page.claims) {
     if (std::ranges::find(figure.claims, claim.id) == figure.claims.end()) continue;
     const auto& verdict = claim.verdicts.front();
+    const std::string parts = parts_text(verdict);
     const std::string reading = verdict.reading == 0 ? "" : cat(" (", page.readings[verdict.reading].name, ")");
-    text +=
-        cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", grade_text(verdict.grade()),
-            reading, " | ", std::isnan(verdict.measured.value) ? cell(verdict.reason) : number(verdict.measured), " | ",
-            parts_text(verdict), " | ", std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–",
-            " | ", cell(other_verdicts(page, claim)), " |\n");
+    text += cat("| ", claim.id, claim.hard ? "" : ", soft", ": ", cell(claim.text), " | ", grade_text(verdict.grade()),
+                reading, " | ", std::isnan(verdict.measured.value) ? cell(verdict.reason) : number(verdict.measured),
+                " | ", parts.empty() ? "–" : parts, " | ",
+                std::isfinite(verdict.one_training) ? percent(verdict.one_training) : "–", " | ",
+                cell(other_verdicts(page, claim)), " |\n");
   }
   return text + "\n";
 }

@@ -189,13 +189,6 @@ std::string reason_beyond_number(const ReproductionPage::Verdict& verdict) {
 
 bool has_parts(const ReproductionPage::Verdict& verdict) { return verdict.parts + verdict.left_out_parts > 1; }
 
-/// "7 of 8 parts true, 2 not comparable"
-std::string parts_text(const ReproductionPage::Verdict& verdict) {
-  std::string text = verdict.parts == 0 ? "" : cat(verdict.true_parts, " of ", verdict.parts, " parts true");
-  if (verdict.left_out_parts > 0) text += cat(text.empty() ? "" : ", ", verdict.left_out_parts, " not comparable");
-  return text;
-}
-
 std::string seeds_text(const ReproductionPage::Verdict& verdict) {
   return verdict.seeds == 0 ? "" : counted(verdict.seeds, "seed", "seeds");
 }
@@ -210,7 +203,7 @@ std::string other_readings(const ReproductionPage& page, const ReproductionPage:
     const ReproductionPage::Verdict& verdict = claim.verdicts[i];
     rows += cat("<tr><th scope=\"row\">", escaped(page.readings[verdict.reading].name), "</th><td>",
                 pill(verdict.grade()), "</td><td>", measured_html(verdict), "</td><td>",
-                has_parts(verdict) ? parts_text(verdict) : "", "</td><td>", seeds_text(verdict),
+                has_parts(verdict) ? cat("parts true: ", parts_text(verdict)) : "", "</td><td>", seeds_text(verdict),
                 "</td><td class=\"reason\">", escaped(reason_beyond_number(verdict)), "</td></tr>\n");
   }
   if (rows.empty()) return "";
@@ -254,6 +247,12 @@ std::string mark_shapes() {
 
 bool hangs_on_reading(const ReproductionPage::Claim& claim) {
   return ruled(claim, Ruling::holds, false) && ruled(claim, Ruling::fails, false);
+}
+
+std::string parts_text(const ReproductionPage::Verdict& verdict) {
+  std::string text = verdict.parts == 0 ? "" : cat(verdict.true_parts, " of ", verdict.parts);
+  if (verdict.left_out_parts > 0) text += cat(text.empty() ? "" : ", ", verdict.left_out_parts, " not comparable");
+  return text;
 }
 
 bool hangs_on_draw(double one_training) { return one_training >= 0.1 && one_training <= 0.9; }
@@ -344,7 +343,7 @@ std::string claim_html(const ReproductionPage& page, const ReproductionPage::Cla
   if (verdict.seeds > 0) details.push_back(seeds_text(verdict));
   if (std::isfinite(verdict.one_training))
     details.push_back(cat("true of one training each in ", percent(verdict.one_training)));
-  if (has_parts(verdict)) details.push_back(parts_text(verdict));
+  if (has_parts(verdict)) details.push_back(cat("parts true: ", parts_text(verdict)));
   if (!claim.hard) details.push_back("worded softly");
   if (!claim.place.empty()) details.push_back(escaped(claim.place));
   if (verdict.reading > 0) details.push_back(cat("under ", escaped(page.readings[verdict.reading].name)));

@@ -18,6 +18,9 @@ inline constexpr std::string_view kMeasuredMeaning =
 /// The shapes of the marks; a page needs them once.
 std::string mark_shapes();
 
+/// "7 of 8, 2 not comparable"; empty where nothing could be asked.
+std::string parts_text(const ReproductionPage::Verdict& verdict);
+
 /// Whether the claim would come out either way if every policy had been trained once: true in 10 to 90 % of draws.
 bool hangs_on_draw(double one_training);
 

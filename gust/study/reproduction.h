@@ -54,6 +54,7 @@ struct PaperVerdict {
   Ruling widened = Ruling::not_testable;    ///< by intervals that are wide enough for so few seeds (Finding)
 
   bool decided() const { return verdict.ruling == Ruling::holds || verdict.ruling == Ruling::fails; }
+  Grade grade() const { return grade_of(verdict.ruling, parts, true_parts, left_out_parts); }
 };
 
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose

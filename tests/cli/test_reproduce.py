@@ -84,7 +84,8 @@ def test_a_claim_is_told_with_all_its_parts_from_the_trainings_that_are_there(gu
     assert told.count("    open, ") == 5 and "  r = low\n" in told
     assert "Other readings\n" in told and "as printed" in told
     parts = json.loads(gust(*QUICK, "--claim", "C61", "--seeds", "1", "--out", "done", "--json", seconds=60).stdout)
-    asked = next(claim for claim in parts["claims"] if claim["id"] == "C61")
+    assert {claim["id"] for claim in parts["claims"]} == {"C61"}
+    asked = parts["claims"][0]
     assert [part["names"] for part in asked["parts"]] == ["r = low", "r = mid", "r = high", "r = low", "r = mid"]
     assert tables(tmp_path / "done") == before
 
@@ -142,7 +143,9 @@ def test_tables_that_were_tampered_with_are_errors(gust, tmp_path, small):
 def test_a_folder_that_holds_something_else_is_left_alone(gust, tmp_path, small):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/thesis.txt").write_text("mine")
-    assert "mine: holds something else" in gust(*QUICK, "--out", "mine", code=2, seconds=60).stderr
+    for asked in ([], ["--claim", "C21"]):
+        assert "mine: holds something else" in gust(*QUICK, *asked, "--out", "mine", code=2, seconds=60).stderr
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
     shutil.copytree(small[0] / "paper-quick.gust", tmp_path / "done")
     other = gust(*QUICK, "--only", "disturbances", "--out", "done", code=2, seconds=60)
     assert "done: holds what 'gust reproduce paper --only table-dr --seeds 1 --profile quick' found" in other.stderr

@@ -79,13 +79,9 @@ PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& o
   return results;
 }
 
-Grade grade_of(const PaperVerdict& verdict) {
-  return gust::grade_of(verdict.verdict.ruling, verdict.parts, verdict.true_parts, verdict.left_out_parts);
-}
-
 /// "open (2)" where that few seeds cannot decide anything.
 std::string grade_text(const PaperVerdict& verdict) {
-  const std::string name(grade_name(grade_of(verdict)));
+  const std::string name(grade_name(verdict.grade()));
   return verdict.seeds > 0 && verdict.seeds < kSeedsForVerdict ? cat(name, " (", verdict.seeds, ")") : name;
 }
 
@@ -107,7 +103,7 @@ std::string left_out_text(const PaperResults& results) {
 
 /// A verdict with every part: what became of it, by how much it is true, and what its names stand for.
 std::string parts_text(const Paper& paper, const PaperVerdict& verdict) {
-  std::string text = cat(paper.readings[verdict.reading].name, ": ", grade_name(grade_of(verdict)), ", ",
+  std::string text = cat(paper.readings[verdict.reading].name, ": ", grade_name(verdict.grade()), ", ",
                          verdict.true_parts, " of ", counted(verdict.parts, "part", "parts"), " true");
   if (verdict.left_out_parts > 0) text += cat(", ", verdict.left_out_parts, " not comparable");
   text += cat("; ", verdict.verdict.reason, "\n");
@@ -143,7 +139,7 @@ std::string claims_text(const PaperResults& results, const std::vector<std::stri
         text += cat(parts_text(paper, *verdict), on.size() > 1 ? "\nOther readings\n" : "");
       else
         text += fmt::format("  {:<24} {:<16} {} of {} true\n", paper.readings[verdict->reading].name,
-                            grade_name(grade_of(*verdict)), verdict->true_parts, verdict->parts);
+                            grade_name(verdict->grade()), verdict->true_parts, verdict->parts);
     }
     text += "\n";
   }
@@ -158,8 +154,8 @@ std::string verdicts_text(const PaperResults& results) {
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const std::vector<const PaperVerdict*> on = results.on(c);
     if (on.empty()) continue;
-    const auto same = std::ranges::count_if(
-        on, [&](const PaperVerdict* verdict) { return grade_of(*verdict) == grade_of(*on.front()); });
+    const auto same =
+        std::ranges::count_if(on, [&](const PaperVerdict* verdict) { return verdict->grade() == on.front()->grade(); });
     const std::string line = fmt::format("{:<4} {:<15} {:>2}/{:<2}  {}", paper.claims[c].id, grade_text(*on.front()),
                                          same, on.size(), paper.claims[c].text);
     text += cat(fitted(line, columns), "\n");
@@ -186,14 +182,16 @@ Json parts_json(const PaperVerdict& verdict) {
   return parts;
 }
 
-std::string verdicts_json(const PaperResults& results) {
+/// Of the claims with these ids; of all where none is named.
+std::string verdicts_json(const PaperResults& results, const std::vector<std::string>& ids = {}) {
   const Paper& paper = *results.reproduction.paper;
   Json claims = Json::array();
   for (const PaperVerdict& verdict : results.verdicts) {
+    if (!ids.empty() && std::ranges::find(ids, paper.claims[verdict.claim].id) == ids.end()) continue;
     claims.push_back({{"id", paper.claims[verdict.claim].id},
                       {"reading", paper.readings[verdict.reading].name},
                       {"verdict", ruling_name(verdict.verdict.ruling)},
-                      {"grade", grade_name(grade_of(verdict))},
+                      {"grade", grade_name(verdict.grade())},
                       {"parts", parts_json(verdict)},
                       {"left_out_parts", verdict.left_out_parts},
                       {"estimate", number(verdict.measured.estimate)},
@@ -211,11 +209,13 @@ std::string verdicts_json(const PaperResults& results) {
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Refuses a folder that holds something else, before any work.
-void check_folder(const std::filesystem::path& folder, const Reproduction& reproduction) {
+/// Refuses a folder that holds something else, before any work. Who is only told of claims leaves its results alone,
+/// and may have asked for others.
+void check_folder(const std::filesystem::path& folder, const Reproduction& reproduction, bool claims_only) {
   std::error_code error;
   if (!std::filesystem::exists(folder, error) || std::filesystem::is_empty(folder, error)) return;
   if (holds_results(folder)) {
+    if (claims_only) return;
     const std::string other = command_text(read_results_choice(folder));
     if (other == command_text(reproduction)) return;
     throw Error(cat(folder.string(), ": holds what '", other, "' found; choose another --out"));
@@ -264,7 +264,7 @@ void add_asked(const Options& options, ReproductionChoice& choice) {
 /// Runs what some claims need in the store of a folder, whose results stay as they are, and tells their parts.
 int tell_claims(const Options& options, const PaperResults& results) {
   for (const std::string& line : results.failures) tell(line);
-  fmt::print("{}", options.json ? verdicts_json(results) + "\n" : claims_text(results, options.claims));
+  fmt::print("{}", options.json ? verdicts_json(results, options.claims) + "\n" : claims_text(results, options.claims));
   return results.failures.empty() && results.missing == 0 ? kDone : kTrialFailed;
 }
 
@@ -273,7 +273,7 @@ int reproduce(Options& options) {
   Reproduction reproduction = chosen_reproduction(options.paper, options.choice);
   check_claims(reproduction);
   const StudyFolder folder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
-  if (options.claims.empty()) check_folder(folder.path(), reproduction);
+  check_folder(folder.path(), reproduction, !options.claims.empty());
   const std::size_t threads = thread_count(options.threads);
   const Store store(folder.store(), Store::Access::write, tell);
   const Run run = options.so_far ? look_up_all(reproduction, store) : run_all(reproduction, store, threads);
