@@ -114,6 +114,8 @@ class Judge {
     result.left_out_parts = finding.left_out;
     result.widened = finding.widened;
     result.verdict = std::move(finding.verdict);
+    if (const std::string told = interval_text(finding.measured); result.verdict.reason.starts_with(told))
+      result.verdict.reason.replace(0, told.size(), interval_text(finding.margin));  // the number beside it
     result.share = finding.share;
     result.parts = finding.parts.size();
     result.true_parts = finding.true_parts();

@@ -66,16 +66,22 @@ Run run_all(Reproduction& reproduction, const Store& store, std::size_t threads)
   return {run_studies(studies, store, how), signals.exit_code()};
 }
 
-PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
-                     std::size_t threads) {
+/// Verdicts alone, without what a page needs.
+PaperResults judged(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
+                    std::size_t threads) {
   PaperResults results{std::move(reproduction), {}, {}, complaints(outcomes), provenance(), still_to_run(outcomes)};
   std::vector<Plan> plans;
-  for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    plans.push_back(outcomes[i].plan);
-    results.summaries.push_back(summarise(results.reproduction.studies[i].study, plans[i], store, threads));
-  }
-  reduce_to_tables(results);
+  for (const RunOutcome& outcome : outcomes) plans.push_back(outcome.plan);
   results.verdicts = judge_paper(results.reproduction, plans, store, threads);
+  return results;
+}
+
+PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
+                     std::size_t threads) {
+  PaperResults results = judged(std::move(reproduction), outcomes, store, threads);
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    results.summaries.push_back(summarise(results.reproduction.studies[i].study, outcomes[i].plan, store, threads));
+  reduce_to_tables(results);
   return results;
 }
 
@@ -102,18 +108,18 @@ std::string left_out_text(const PaperResults& results) {
 }
 
 /// A verdict with every part: what became of it, by how much it is true, and what its names stand for.
-std::string parts_text(const Paper& paper, const PaperVerdict& verdict) {
+std::string parts_text(const Paper& paper, const PaperVerdict& verdict, std::size_t columns) {
   std::string text = cat(paper.readings[verdict.reading].name, ": ", grade_name(verdict.grade()), ", ",
                          verdict.true_parts, " of ", counted(verdict.parts, "part", "parts"), " true");
   if (verdict.left_out_parts > 0) text += cat(", ", verdict.left_out_parts, " not comparable");
-  text += cat("; ", verdict.verdict.reason, "\n");
+  text = cat(wrapped(cat(text, "; ", verdict.verdict.reason), columns), "\n");
   std::string statement;
   for (const PartFinding& part : verdict.each_part) {
     if (part.statement != statement) {
       statement = part.statement;
       std::string line = statement;
       std::ranges::replace(line, '\n', ' ');
-      text += cat("  ", line, "\n");
+      text += cat("  ", wrapped(line, columns - 2, 2), "\n");
     }
     Interval margin = part.margin;
     margin.unit = Unit::none;
@@ -129,14 +135,15 @@ std::string parts_text(const Paper& paper, const PaperVerdict& verdict) {
 /// Claims with all their parts, under the reading that decides and the others.
 std::string claims_text(const PaperResults& results, const std::vector<std::string>& ids) {
   const Paper& paper = *results.reproduction.paper;
+  const std::size_t columns = terminal_columns(STDOUT_FILENO, 100);
   std::string text;
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     if (std::ranges::find(ids, paper.claims[c].id) == ids.end()) continue;
-    text += cat(paper.claims[c].id, ": ", paper.claims[c].text, "\n\n");
+    text += cat(wrapped(cat(paper.claims[c].id, ": ", paper.claims[c].text), columns), "\n\n");
     const std::vector<const PaperVerdict*> on = results.on(c);
     for (const PaperVerdict* verdict : on) {
       if (verdict == on.front())
-        text += cat(parts_text(paper, *verdict), on.size() > 1 ? "\nOther readings\n" : "");
+        text += cat(parts_text(paper, *verdict, columns), on.size() > 1 ? "\nOther readings\n" : "");
       else
         text += fmt::format("  {:<24} {:<16} {} of {} true\n", paper.readings[verdict->reading].name,
                             grade_name(verdict->grade()), verdict->true_parts, verdict->parts);
@@ -202,9 +209,12 @@ std::string verdicts_json(const PaperResults& results, const std::vector<std::st
                       {"one_training", number(verdict.one_training)},
                       {"reason", verdict.verdict.reason}});
   }
-  return Json{{"paper", paper.name},           {"profile", results.reproduction.profile->name},
-              {"label", results.label()},      {"missing", results.missing},
-              {"findings", findings(results)}, {"claims", claims},
+  return Json{{"paper", paper.name},
+              {"profile", results.reproduction.profile->name},
+              {"label", results.label()},
+              {"missing", results.missing},
+              {"findings", ids.empty() ? Json(findings(results)) : Json::array()},
+              {"claims", claims},
               {"failures", results.failures}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
@@ -282,8 +292,9 @@ int reproduce(Options& options) {
     return run.stopped;
   }
   if (options.so_far && options.claims.empty()) check_progress(folder.path(), run.outcomes);
+  if (!options.claims.empty())
+    return tell_claims(options, judged(std::move(reproduction), run.outcomes, store, threads));
   const PaperResults results = collect(std::move(reproduction), run.outcomes, store, threads);
-  if (!options.claims.empty()) return tell_claims(options, results);
   for (const std::string& line : results.failures) tell(line);
   std::string page;
   try {
