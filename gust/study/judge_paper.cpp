@@ -218,9 +218,13 @@ class Judge {
 }  // namespace
 
 std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
-                                      const Store& store, std::size_t threads) {
+                                      const Store& store, std::size_t threads, const std::vector<std::string>& named) {
   const Judge judge(reproduction, plans, &store);
-  const std::vector<Question> questions = judge.questions();
+  std::vector<Question> questions = judge.questions();
+  std::erase_if(questions, [&](const Question& question) {
+    const std::string& id = reproduction.paper->claims[question.claim].id;
+    return !named.empty() && std::ranges::find(named, id) == named.end();
+  });
   std::vector<PaperVerdict> verdicts(questions.size());
   std::vector<std::exception_ptr> errors(questions.size());
   std::atomic<std::size_t> next = 0;

@@ -58,10 +58,11 @@ struct PaperVerdict {
 };
 
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose
-/// studies are not to be run are left out. `plans` are those of the studies. Equal data give equal bits for any number
-/// of threads.
+/// studies are not to be run are left out, and so are all but those named, if any are. `plans` are those of the
+/// studies. Equal data give equal bits for any number of threads.
 std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
-                                      const Store& store, std::size_t threads);
+                                      const Store& store, std::size_t threads,
+                                      const std::vector<std::string>& named = {});
 
 /// Asks every claim under every reading of data that have shapes only, so that what is wrong with one is found before
 /// any work.

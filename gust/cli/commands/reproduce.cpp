@@ -66,13 +66,13 @@ Run run_all(Reproduction& reproduction, const Store& store, std::size_t threads)
   return {run_studies(studies, store, how), signals.exit_code()};
 }
 
-/// Verdicts alone, without what a page needs.
+/// Verdicts alone, without what a page needs: on the claims that are named, or on all.
 PaperResults judged(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
-                    std::size_t threads) {
+                    std::size_t threads, const std::vector<std::string>& named = {}) {
   PaperResults results{std::move(reproduction), {}, {}, complaints(outcomes), provenance(), still_to_run(outcomes)};
   std::vector<Plan> plans;
   for (const RunOutcome& outcome : outcomes) plans.push_back(outcome.plan);
-  results.verdicts = judge_paper(results.reproduction, plans, store, threads);
+  results.verdicts = judge_paper(results.reproduction, plans, store, threads, named);
   return results;
 }
 
@@ -133,14 +133,14 @@ std::string parts_text(const Paper& paper, const PaperVerdict& verdict, std::siz
 }
 
 /// Claims with all their parts, under the reading that decides and the others.
-std::string claims_text(const PaperResults& results, const std::vector<std::string>& ids) {
+std::string claims_text(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   const std::size_t columns = terminal_columns(STDOUT_FILENO, 100);
   std::string text;
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
-    if (std::ranges::find(ids, paper.claims[c].id) == ids.end()) continue;
-    text += cat(wrapped(cat(paper.claims[c].id, ": ", paper.claims[c].text), columns), "\n\n");
     const std::vector<const PaperVerdict*> on = results.on(c);
+    if (on.empty()) continue;
+    text += cat(wrapped(cat(paper.claims[c].id, ": ", paper.claims[c].text), columns), "\n\n");
     for (const PaperVerdict* verdict : on) {
       if (verdict == on.front())
         text += cat(parts_text(paper, *verdict, columns), on.size() > 1 ? "\nOther readings\n" : "");
@@ -189,12 +189,10 @@ Json parts_json(const PaperVerdict& verdict) {
   return parts;
 }
 
-/// Of the claims with these ids; of all where none is named.
-std::string verdicts_json(const PaperResults& results, const std::vector<std::string>& ids = {}) {
+std::string verdicts_json(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
   Json claims = Json::array();
   for (const PaperVerdict& verdict : results.verdicts) {
-    if (!ids.empty() && std::ranges::find(ids, paper.claims[verdict.claim].id) == ids.end()) continue;
     claims.push_back({{"id", paper.claims[verdict.claim].id},
                       {"reading", paper.readings[verdict.reading].name},
                       {"verdict", ruling_name(verdict.verdict.ruling)},
@@ -213,7 +211,7 @@ std::string verdicts_json(const PaperResults& results, const std::vector<std::st
               {"profile", results.reproduction.profile->name},
               {"label", results.label()},
               {"missing", results.missing},
-              {"findings", ids.empty() ? Json(findings(results)) : Json::array()},
+              {"findings", results.summaries.empty() ? Json::array() : Json(findings(results))},
               {"claims", claims},
               {"failures", results.failures}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
@@ -274,7 +272,7 @@ void add_asked(const Options& options, ReproductionChoice& choice) {
 /// Runs what some claims need in the store of a folder, whose results stay as they are, and tells their parts.
 int tell_claims(const Options& options, const PaperResults& results) {
   for (const std::string& line : results.failures) tell(line);
-  fmt::print("{}", options.json ? verdicts_json(results, options.claims) + "\n" : claims_text(results, options.claims));
+  fmt::print("{}", options.json ? verdicts_json(results) + "\n" : claims_text(results));
   return results.failures.empty() && results.missing == 0 ? kDone : kTrialFailed;
 }
 
@@ -293,7 +291,7 @@ int reproduce(Options& options) {
   }
   if (options.so_far && options.claims.empty()) check_progress(folder.path(), run.outcomes);
   if (!options.claims.empty())
-    return tell_claims(options, judged(std::move(reproduction), run.outcomes, store, threads));
+    return tell_claims(options, judged(std::move(reproduction), run.outcomes, store, threads, options.claims));
   const PaperResults results = collect(std::move(reproduction), run.outcomes, store, threads);
   for (const std::string& line : results.failures) tell(line);
   std::string page;
