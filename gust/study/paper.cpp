@@ -63,8 +63,8 @@ PaperProfile parse_profile(const Table& table) {
 }
 
 PaperReading parse_reading(const Table& table) {
-  std::vector<std::string> known = {"name", "says",  "common", "settings", "figures", "instead",
-                                    "asks", "start", "median", "claims",   "printed"};
+  std::vector<std::string> known = {"name",    "says", "common", "settings", "figures", "files",
+                                    "instead", "asks", "start",  "median",   "claims",  "printed"};
   const std::vector<std::string> figures = texts_of(table, "figures");
   known.insert(known.end(), figures.begin(), figures.end());
   check_keys(table, known, "a reading");
@@ -81,9 +81,13 @@ PaperReading parse_reading(const Table& table) {
   reading.median = flag_of(table, "median");
   reading.claims = texts_of(table, "claims");
   reading.printed = flag_of(table, "printed");
-  if (const Value* instead = table.find("instead")) {
-    for (const auto& [from, to] : instead->as_table("instead").items) reading.instead[from] = to.as_text(from);
-  }
+  const auto texts_by_name = [&](std::string_view key, std::map<std::string, std::string>& into) {
+    const Value* value = table.find(key);
+    if (value == nullptr) return;
+    for (const auto& [from, to] : value->as_table(key).items) into[from] = to.as_text(from);
+  };
+  texts_by_name("files", reading.files);
+  texts_by_name("instead", reading.instead);
   if (const Value* asks = table.find("asks")) {
     for (const auto& [claim, formula] : asks->as_table("asks").items) {
       reading.asks.emplace(claim, Formula(formula.as_text(claim), formula.place));
@@ -173,6 +177,7 @@ void parse_manifest(std::string_view text, Paper& paper) {
   for_each_table(table, "reading", [&](const Table& item) {
     paper.readings.push_back(parse_reading(item));
     check_figures(paper, paper.readings.back().figures, item);
+    for (const auto& [study, file] : paper.readings.back().files) check_figures(paper, {study}, item);
   });
 }
 

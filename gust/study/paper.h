@@ -25,6 +25,7 @@ struct PaperReading {
   std::vector<std::string> settings;                    ///< further ones; "{study}" stands for a study's name
   std::map<std::string, std::vector<std::string>> own;  ///< of one study, in place of those
   std::vector<std::string> figures;                     ///< whose studies it changes; all others are the main reading's
+  std::map<std::string, std::string> files;             ///< the file of a figure's study, where it is another one
   std::map<std::string, std::string> instead;           ///< what claims ask for, and what they ask for here
   std::string start;                                    ///< where episodes begin; empty: drawn
   bool median = false;                                  ///< of the trainings in place of their mean

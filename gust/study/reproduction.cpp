@@ -97,8 +97,10 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       const PaperReading& reading = paper.readings[r];
       const bool changed = std::ranges::find(reading.figures, study) != reading.figures.end();
       if (!wanted(choice, study) || (r > 0 && !changed)) continue;
-      const std::string file = cat("studies/paper/", study, ".toml");
-      const std::string_view text = paper_study(study);
+      const auto other = reading.files.find(study);
+      const std::string name = other == reading.files.end() ? study : other->second;
+      const std::string file = cat("studies/paper/", name, ".toml");
+      const std::string_view text = paper_study(name);
       std::vector<std::string> settings = reading_settings(reading, study);
       const Study whole = parse_study(text, file, settings, no_files);
       reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
