@@ -64,9 +64,10 @@ struct OffPolicyOptions {
             "upstream: actor, temperature, critics with the new actor (safe-control-gym); original: critics, "
             "temperature, actor",
             one_of("upstream|original")),
-      later(field("actor_trunk", &OffPolicyOptions::actor_trunk,
-                  "scg: no activation after the actor's last hidden layer, as in safe-control-gym; relu: one after each",
-                  one_of("relu|scg"))),
+      later(
+          field("actor_trunk", &OffPolicyOptions::actor_trunk,
+                "scg: no activation after the actor's last hidden layer, as in safe-control-gym; relu: one after each",
+                one_of("relu|scg"))),
       later(field("density", &OffPolicyOptions::density,
                   "whose entropy the temperature weighs: of actions in the box, or of their tanh alone, as in "
                   "safe-control-gym; the same where actions are -1 to 1",

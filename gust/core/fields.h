@@ -119,8 +119,8 @@ void read_fields(S& options, const Table& table, std::string_view what, const st
   if constexpr (requires { options.check(table.place); }) options.check(table.place);
 }
 
-/// Every option as "name = value", in the order of declaration: what is hashed and shown. later() ones that are at their
-/// default are left out.
+/// Every option as "name = value", in the order of declaration: what is hashed and shown. later() ones that are at
+/// their default are left out.
 template <class S>
 std::string canonical_fields(const S& options) {
   const S standard{};

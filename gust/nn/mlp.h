@@ -80,8 +80,8 @@ Mlp<To> converted(const Mlp<From>& mlp) {
   return result;
 }
 
-/// The same map without the hidden layer that `linear_top` leaves linear: the two layers about it are one, their product
-/// formed in double. A network without one is returned as it is.
+/// The same map without the hidden layer that `linear_top` leaves linear: the two layers about it are one, their
+/// product formed in double. A network without one is returned as it is.
 Mlp<float> without_linear_top(const Mlp<float>& mlp);
 
 /// What running a network of one shape needs besides its parameters: compiled products and memory for up to max_lanes

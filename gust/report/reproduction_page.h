@@ -53,7 +53,7 @@ struct ReproductionPage {
 
   struct Figure {
     std::string id;     ///< "white", fit for an address
-    std::string place;  ///< "Figure 4"
+    std::string place;  ///< "Figure 3"
     std::string title;
     std::string says;                 ///< what the paper says about it, in our words
     std::string trained;              ///< sentences: how many seeds of each policy and for how long, what else to know
@@ -66,9 +66,10 @@ struct ReproductionPage {
 
   std::string title;
   std::string source;                 ///< the paper, as one cites it
-  std::string note;                   ///< what to know before one reads the findings; may be empty
+  std::string note;                   ///< what to know of the verdicts; may be empty
   std::string label;                  ///< says at once if this is a miniature; empty for the full run
-  std::vector<std::string> findings;  ///< sentences: the first ones are the opening paragraph
+  std::vector<std::string> opening;   ///< what was found, in at most ten sentences
+  std::vector<std::string> findings;  ///< what else the data show, a sentence each
   std::vector<std::string> warnings;  ///< what is missing or failed
   std::vector<Reading> readings;      ///< the first is the main one
   std::vector<Claim> claims;

@@ -101,21 +101,23 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   const ReproductionPage page = reproduction_page(results, command);
   std::string text = cat("# ", page.title, "\n\n", page.source, ".\n\n");
   if (!page.label.empty()) text += cat("**", page.label, "**\n\n");
+  for (const std::string& sentence : page.opening) text += cat("- ", sentence, "\n");
   text += cat(
-      "Made by `", command,
+      "\n## How to read the verdicts\n\nMade by `", command,
       "`; no number here was typed by hand. Verdicts are at 95 % over training seeds (percentile bootstrap), part by "
       "part: a claim is shown if all its parts are true throughout their intervals, refuted if one of them is true "
       "nowhere in its interval after Holm's correction for their number, else it is open, as it is from fewer than ",
       kSeedsForVerdict, " seeds. Seeds whose training diverged are left out, and named at the end. ", kMeasuredMeaning,
       "\n\n");
   if (!page.note.empty()) text += cat(page.note, "\n\n");
+  if (!page.findings.empty()) text += "## What else the data show\n\n";
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
   const std::vector<Parting> parting = partings(page);
   if (!parting.empty()) text += "\n## What is refuted or stays open, by the first reason that the data give\n\n";
   for (const auto& [why, claims] : parting) {
-    std::vector<std::string> ids;
-    for (const auto* claim : claims) ids.push_back(claim->id);
-    text += cat("- ", why, " ", counted(ids.size(), "claim", "claims"), ": ", join(ids, ", "), ".\n");
+    text += cat("- ", why, " ", counted(claims.size(), "claim", "claims"), ":\n");
+    for (const auto* claim : claims)
+      text += cat("  - ", claim->id, ": ", claim->text.substr(0, claim->text.find(" (")), ".\n");
   }
   text += "\n## How the paper can be read\n\n";
   for (const auto& reading : page.readings) text += cat("- **", reading.name, "**: ", reading.says, "\n");

@@ -50,6 +50,14 @@ void check_figures(const Paper& paper, const std::vector<std::string>& names, co
   }
 }
 
+/// Checks that a name is that of a reading, or empty.
+void check_reading(const Paper& paper, const std::string& name, const Table& table) {
+  std::vector<std::string> known;
+  for (const PaperReading& reading : paper.readings) known.push_back(reading.name);
+  if (!name.empty() && std::ranges::find(known, name) == known.end())
+    throw error_at(table.place, "unknown reading '", name, "'", did_you_mean(name, known));
+}
+
 PaperProfile parse_profile(const Table& table) {
   check_keys(table, {"name", "seeds", "steps"}, "a profile");
   PaperProfile profile{required_text(table, "name", "a profile"), {}, 1.0};
@@ -98,9 +106,11 @@ PaperReading parse_reading(const Table& table) {
 }
 
 PaperFigure parse_figure(const Table& table) {
-  check_keys(table, {"study", "place", "title", "says", "note", "shows", "heat", "table", "metric"}, "a figure");
+  check_keys(table, {"study", "reading", "place", "title", "says", "note", "shows", "heat", "table", "metric"},
+             "a figure");
   PaperFigure figure;
   figure.study = required_text(table, "study", "a figure");
+  figure.reading = text_of(table, "reading");
   figure.place = required_text(table, "place", "a figure");
   figure.title = required_text(table, "title", "a figure");
   figure.says = required_text(table, "says", "a figure");
@@ -121,7 +131,8 @@ PaperFigure parse_figure(const Table& table) {
 }
 
 PaperClaim parse_claim(const Table& table, const Paper& paper) {
-  check_keys(table, {"id", "figure", "from", "soft", "leads", "text", "metric", "reading", "holds", "missing"},
+  check_keys(table,
+             {"id", "figure", "from", "soft", "primary", "headline", "text", "metric", "reading", "holds", "missing"},
              "a claim");
   PaperClaim claim;
   claim.id = required_text(table, "id", "a claim");
@@ -130,14 +141,13 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
   claim.from = texts_of(table, "from");
   if (claim.from.empty()) claim.from = {claim.figure};
   claim.soft = flag_of(table, "soft");
-  claim.leads = flag_of(table, "leads");
+  claim.primary = flag_of(table, "primary");
+  claim.headline = text_of(table, "headline");
   claim.metric = text_of(table, "metric");
   claim.reading = text_of(table, "reading");
   check_figures(paper, {claim.figure}, table);
   check_figures(paper, claim.from, table);
-  if (!claim.reading.empty() &&
-      std::ranges::find(paper.readings, claim.reading, &PaperReading::name) == paper.readings.end())
-    throw error_at(table.place, "unknown reading '", claim.reading, "'");
+  check_reading(paper, claim.reading, table);
   if (const Value* holds = table.find("holds")) {
     claim.formula.emplace(holds->as_text("holds"), holds->place);
   } else {
@@ -179,6 +189,7 @@ void parse_manifest(std::string_view text, Paper& paper) {
     check_figures(paper, paper.readings.back().figures, item);
     for (const auto& [study, file] : paper.readings.back().files) check_figures(paper, {study}, item);
   });
+  for (const PaperFigure& figure : paper.figures) check_reading(paper, figure.reading, table);
 }
 
 void parse_claims(std::string_view text, Paper& paper) {
@@ -210,6 +221,11 @@ bool PaperPremise::bears_on(const std::string& claim, const TruthPart& part) con
     return text.find(of) != std::string::npos;
   };
   return speaks(part.label) || speaks(part.statement);
+}
+
+std::size_t Paper::reading(std::string_view name) const {
+  const auto at = std::ranges::find(readings, name, &PaperReading::name);
+  return at == readings.end() ? 0 : static_cast<std::size_t>(at - readings.begin());
 }
 
 const PaperFigure* Paper::figure(std::string_view study) const {

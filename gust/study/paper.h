@@ -43,8 +43,9 @@ struct PaperMap {
 
 /// A figure or table of the paper: a study.
 struct PaperFigure {
-  std::string study;  ///< its file's name, without ".toml"
-  std::string place;  ///< in the paper: "Figure 4"
+  std::string study;    ///< its file's name, without ".toml"
+  std::string reading;  ///< the one that it is drawn under; empty: the main one
+  std::string place;    ///< in the paper: "Figure 3"
   std::string title;
   std::string says;                ///< what the paper says about it
   std::string note;                ///< what to know of ours before one reads it; may be empty
@@ -59,7 +60,8 @@ struct PaperClaim {
   std::string id;
   std::string text;
   bool soft = false;              ///< the paper itself words it softly
-  bool leads = false;             ///< what the paper leads with: the findings name it
+  bool primary = false;           ///< named before the run as what the reproduction is about
+  std::string headline;           ///< a sentence that the findings name it by; empty: they do not
   std::string figure;             ///< where it stands on the page
   std::vector<std::string> from;  ///< the studies that its scores come from
   std::string metric;             ///< of score(); empty: that of the first study's margins
@@ -101,6 +103,8 @@ struct Paper {
   std::string checks;  ///< what else agrees with the paper's authors, as Markdown; may be empty
 
   const PaperFigure* figure(std::string_view study) const;
+  /// Where a reading stands; the main one's place for an empty name.
+  std::size_t reading(std::string_view name) const;
 };
 
 /// The texts of a paper.

@@ -178,10 +178,11 @@ std::string Sweep::setting(const PlantSpec& spec) const {
   return join(parts, ", ");
 }
 
-std::vector<std::size_t> starts_to_tell(const Study& study) {
+std::vector<std::size_t> starts_to_tell(const Study& study, std::string_view first) {
   std::vector<std::size_t> order(study.starts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_partition(order, [&](std::size_t start) { return study.starts[start].random; });
+  std::ranges::stable_partition(order, [&](std::size_t start) { return study.starts[start].name == first; });
   return order;
 }
 

@@ -64,6 +64,12 @@ std::vector<std::string> reading_settings(const PaperReading& reading, const std
   return settings;
 }
 
+/// Whether a figure that is drawn under a reading tells margins: claims ask for the paper's grid alone.
+bool shows_margins(const Paper& paper, std::size_t figure, std::size_t reading) {
+  const PaperFigure& drawn = paper.figures[figure];
+  return paper.reading(drawn.reading) == reading && std::ranges::find(drawn.shows, "curves") != drawn.shows.end();
+}
+
 bool wanted(const ReproductionChoice& choice, const std::string& study) {
   return choice.only.empty() || std::ranges::find(choice.only, study) != choice.only.end();
 }
@@ -105,8 +111,7 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       const Study whole = parse_study(text, file, settings, no_files);
       reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
       std::ranges::move(profile_settings(whole, *reproduction.profile, seeds), std::back_inserter(settings));
-      if (r > 0)
-        settings.push_back("evaluate.margin_tolerance=0");  // claims ask for the paper's grid, findings for margins
+      if (r > 0 && !shows_margins(paper, f, r)) settings.push_back("evaluate.margin_tolerance=0");
       reproduction.studies.push_back({r, f, parse_study(text, file, settings, no_files)});
     }
   }

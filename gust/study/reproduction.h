@@ -30,6 +30,10 @@ struct Reproduction {
   /// Where a figure's study under a reading stands, which is the main one's where the reading leaves it alone; none if
   /// it is not to be run.
   std::optional<std::size_t> find(std::size_t reading, std::string_view study) const;
+  /// The same of the study that a figure is drawn from.
+  std::optional<std::size_t> drawn(const PaperFigure& figure) const {
+    return find(paper->reading(figure.reading), figure.study);
+  }
 };
 
 /// Throws Error where the profile or a study is not known, or a study cannot be read.

@@ -124,8 +124,8 @@ struct Study {
   std::vector<std::vector<StudyPolicy::File>> found;  ///< every file that was read, by pattern, in the order of asking
 };
 
-/// The starts of a study by index, in the order in which results are told: random ones first.
-std::vector<std::size_t> starts_to_tell(const Study& study);
+/// The starts of a study by index, in the order in which results are told: the one that is named, then random ones.
+std::vector<std::size_t> starts_to_tell(const Study& study, std::string_view first = {});
 
 /// What margins are of, and score() in claims: the first leading metric that is better when higher, but not survival,
 /// which has no slope.

@@ -170,7 +170,7 @@ std::string verdicts_text(const PaperResults& results) {
   if (!results.verdicts.empty())
     text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
   if (const std::string left_out = left_out_text(results); !left_out.empty()) text += cat(left_out, "\n\n");
-  for (const std::string& sentence : findings(results)) text += cat(sentence, "\n");
+  for (const std::string& sentence : opening_findings(results)) text += cat(wrapped(sentence, columns), "\n");
   return text;
 }
 
@@ -187,6 +187,13 @@ Json parts_json(const PaperVerdict& verdict) {
                      {"low", number(part.margin.low)},
                      {"high", number(part.margin.high)}});
   return parts;
+}
+
+Json all_findings(const PaperResults& results) {
+  if (results.summaries.empty()) return Json::array();
+  Findings found = findings(results);
+  std::ranges::move(found.further, std::back_inserter(found.opening));
+  return found.opening;
 }
 
 std::string verdicts_json(const PaperResults& results) {
@@ -211,7 +218,7 @@ std::string verdicts_json(const PaperResults& results) {
               {"profile", results.reproduction.profile->name},
               {"label", results.label()},
               {"missing", results.missing},
-              {"findings", results.summaries.empty() ? Json::array() : Json(findings(results))},
+              {"findings", all_findings(results)},
               {"claims", claims},
               {"failures", results.failures}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
