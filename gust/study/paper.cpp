@@ -70,13 +70,28 @@ PaperProfile parse_profile(const Table& table) {
   return profile;
 }
 
-PaperReading parse_reading(const Table& table) {
-  std::vector<std::string> known = {"name",    "says", "common", "settings", "figures", "files",
-                                    "instead", "asks", "start",  "median",   "claims",  "printed"};
+/// What a reading takes from the one that it is like: where episodes begin, what claims ask, and which ones. Its
+/// studies are found by Reproduction::find.
+PaperReading like_another(const Table& table, const Paper& paper) {
+  PaperReading reading;
+  const std::string name = text_of(table, "like");
+  if (name.empty()) return reading;
+  check_reading(paper, name, table);
+  reading.like = paper.reading(name);
+  const PaperReading& other = paper.readings[*reading.like];
+  reading.start = other.start;
+  reading.asks = other.asks;
+  reading.claims = other.claims;
+  return reading;
+}
+
+PaperReading parse_reading(const Table& table, const Paper& paper) {
+  std::vector<std::string> known = {"name",    "says", "like",  "common", "settings", "figures", "files",
+                                    "instead", "asks", "start", "median", "claims",   "printed"};
   const std::vector<std::string> figures = texts_of(table, "figures");
   known.insert(known.end(), figures.begin(), figures.end());
   check_keys(table, known, "a reading");
-  PaperReading reading;
+  PaperReading reading = like_another(table, paper);
   for (const std::string& figure : figures) {
     if (table.contains(figure)) reading.own[figure] = texts_of(table, figure);
   }
@@ -85,9 +100,9 @@ PaperReading parse_reading(const Table& table) {
   reading.common = texts_of(table, "common");
   reading.settings = texts_of(table, "settings");
   reading.figures = figures;
-  reading.start = text_of(table, "start");
+  if (table.contains("start")) reading.start = text_of(table, "start");
   reading.median = flag_of(table, "median");
-  reading.claims = texts_of(table, "claims");
+  if (table.contains("claims")) reading.claims = texts_of(table, "claims");
   reading.printed = flag_of(table, "printed");
   const auto texts_by_name = [&](std::string_view key, std::map<std::string, std::string>& into) {
     const Value* value = table.find(key);
@@ -98,8 +113,8 @@ PaperReading parse_reading(const Table& table) {
   texts_by_name("instead", reading.instead);
   if (const Value* asks = table.find("asks")) {
     for (const auto& [claim, formula] : asks->as_table("asks").items) {
-      reading.asks.emplace(claim, Formula(formula.as_text(claim), formula.place));
-      reading.claims.push_back(claim);
+      reading.asks.insert_or_assign(claim, Formula(formula.as_text(claim), formula.place));
+      if (std::ranges::find(reading.claims, claim) == reading.claims.end()) reading.claims.push_back(claim);
     }
   }
   return reading;
@@ -185,7 +200,7 @@ void parse_manifest(std::string_view text, Paper& paper) {
   for_each_table(table, "profile", [&](const Table& item) { paper.profiles.push_back(parse_profile(item)); });
   for_each_table(table, "figure", [&](const Table& item) { paper.figures.push_back(parse_figure(item)); });
   for_each_table(table, "reading", [&](const Table& item) {
-    paper.readings.push_back(parse_reading(item));
+    paper.readings.push_back(parse_reading(item, paper));
     check_figures(paper, paper.readings.back().figures, item);
     for (const auto& [study, file] : paper.readings.back().files) check_figures(paper, {study}, item);
   });

@@ -21,6 +21,7 @@ struct PaperProfile {
 struct PaperReading {
   std::string name;
   std::string says;
+  std::optional<std::size_t> like;                      ///< the one that it takes all from that it does not change
   std::vector<std::string> common;                      ///< settings of all its studies
   std::vector<std::string> settings;                    ///< further ones; "{study}" stands for a study's name
   std::map<std::string, std::vector<std::string>> own;  ///< of one study, in place of those

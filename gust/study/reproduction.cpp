@@ -77,13 +77,12 @@ bool wanted(const ReproductionChoice& choice, const std::string& study) {
 }  // namespace
 
 std::optional<std::size_t> Reproduction::find(std::size_t reading, std::string_view study) const {
-  std::optional<std::size_t> found;
-  for (std::size_t i = 0; i < studies.size(); ++i) {
-    if (paper->figures[studies[i].figure].study != study) continue;
-    if (studies[i].reading == reading) return i;
-    if (studies[i].reading == 0) found = i;
-  }
-  return found;
+  const auto at = std::ranges::find_if(studies, [&](const ReproductionStudy& part) {
+    return part.reading == reading && paper->figures[part.figure].study == study;
+  });
+  if (at != studies.end()) return static_cast<std::size_t>(at - studies.begin());
+  if (reading == 0) return std::nullopt;
+  return find(paper->readings[reading].like.value_or(0), study);
 }
 
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice) {

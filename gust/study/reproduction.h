@@ -27,8 +27,8 @@ struct Reproduction {
   std::vector<ReproductionStudy> studies;
   bool fewer_seeds = false;  ///< some training has more in its study than are to be run
 
-  /// Where a figure's study under a reading stands, which is the main one's where the reading leaves it alone; none if
-  /// it is not to be run.
+  /// Where a figure's study under a reading stands: where the reading leaves it alone, that of the reading that it is
+  /// like, or of the main one. None if it is not to be run.
   std::optional<std::size_t> find(std::size_t reading, std::string_view study) const;
   /// The same of the study that a figure is drawn from.
   std::optional<std::size_t> drawn(const PaperFigure& figure) const {
