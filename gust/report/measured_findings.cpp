@@ -240,21 +240,22 @@ void count_noise(const PaperMap& map, const Study& study, const std::vector<Esti
   }
 }
 
-/// Over all maps, from random starts or from that of the tests.
+/// Over the maps of the first figure that has some, from random starts or from that of the tests.
 NoiseCount training_noise(const PaperResults& results, bool random) {
   NoiseCount count;
   std::set<std::string> asked;
-  for (const PaperFigure& figure : results.reproduction.paper->figures) {
-    const std::optional<std::size_t> at = results.reproduction.drawn(figure);
-    if (!at || figure.maps.empty()) continue;
-    const Study& study = results.reproduction.studies[*at].study;
-    const auto start = std::ranges::find(study.starts, random, &StartProtocol::random);
-    for (const PaperMap& map : figure.maps) {
-      const std::vector<Estimate> cells =
-          map_cells(map, study, results.summaries[*at], study.metric_set.index("anr_h", {}),
-                    static_cast<std::size_t>(start - study.starts.begin()));
-      if (!cells.empty()) count_noise(map, study, cells, asked, count);
-    }
+  const std::vector<PaperFigure>& figures = results.reproduction.paper->figures;
+  const auto figure = std::ranges::find_if(
+      figures, [&](const PaperFigure& each) { return !each.maps.empty() && results.reproduction.drawn(each); });
+  if (figure == figures.end()) return count;
+  const std::size_t at = *results.reproduction.drawn(*figure);
+  const Study& study = results.reproduction.studies[at].study;
+  const auto start = std::ranges::find(study.starts, random, &StartProtocol::random);
+  for (const PaperMap& map : figure->maps) {
+    const std::vector<Estimate> cells =
+        map_cells(map, study, results.summaries[at], study.metric_set.index("anr_h", {}),
+                  static_cast<std::size_t>(start - study.starts.begin()));
+    if (!cells.empty()) count_noise(map, study, cells, asked, count);
   }
   return count;
 }

@@ -148,25 +148,25 @@ TEST_CASE("the opening says how many verdicts chance alone would give, those asi
 }
 
 TEST_CASE("the heat maps say whether it helps to train with the noise of the test") {
-  PaperResults results = invented_results_of("long-training");
+  PaperResults results = invented_results_of("training-noise");
   const auto heard = [&] { return opening_findings(results); };
   CHECK(says(heard(),
-             "than trained without at 0 of 32 levels (beyond both intervals at 0, the lower at 0) from the "
-             "paper's start, and at 0 of 32"));  // all equal
+             "than trained without at 0 of 48 levels (beyond both intervals at 0, the lower at 0) from the "
+             "paper's start, and at 0 of 48"));  // all equal
 
-  const std::size_t drawn = *results.reproduction.drawn(*results.reproduction.paper->figure("long-training"));
+  const std::size_t drawn = *results.reproduction.drawn(*results.reproduction.paper->figure("training-noise"));
   const Study& study = results.reproduction.studies[drawn].study;
   for (Series& series : results.summaries[drawn].series) {
-    if (study.policies[series.policy].name != "ppo 1.5, 2 M" || series.sweep == Trial::kNominal) continue;
+    if (study.policies[series.policy].name != "ppo dynamics 1.5" || series.sweep == Trial::kNominal) continue;
     for (Estimate& value : series.values) value.value += 0.5;
   }
-  CHECK(says(heard(), "at 1 of 32 levels (beyond"));  // trained with it, tested with it
+  CHECK(says(heard(), "at 1 of 48 levels (beyond"));  // trained with it, tested with it
   CHECK_FALSE(says(heard(), "narrows the starts"));
 
   // As the paper has it from one start, the reverse from the other.
   for (Series& series : results.summaries[drawn].series) {
     const std::string& name = study.policies[series.policy].name;
-    if (series.sweep == Trial::kNominal || name.starts_with("ppo 0,") || name == "lqr") continue;
+    if (series.sweep == Trial::kNominal || name.ends_with(" 0") || name == "lqr") continue;
     for (Estimate& value : series.values) value.value = study.starts[series.start].random ? 1.5 : 0.25;
   }
   CHECK(says(heard(),

@@ -50,7 +50,8 @@ std::string seeds_key(const Study& study, const StudyPolicy& policy) {
   if (steps != std::string::npos) key.erase(steps, key.find_first_of(",)", steps) - steps);
   for (const Injection& injection : policy.disturbed)
     key += cat("; ", injection.canonical(), " ", canonical_text(injection.level));
-  return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()));
+  return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()),
+             policy.curve_as_trained ? "; curve" : "");
 }
 
 /// The seeds of a policy whose trainings did not end without one.

@@ -33,6 +33,7 @@ struct StudyPolicy {
   std::vector<std::int64_t> seeds;                          ///< kTrain
   std::vector<Injection> disturbed;                         ///< kTrain: on during training
   Randomisation randomised;                                 ///< kTrain: parameters drawn in training
+  bool curve_as_trained = false;                            ///< kTrain: its learning curve has them, and is disturbed
   std::string output;           ///< kOnnx: the output that is the action; empty: read_onnx finds it
   std::optional<double> alpha;  ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
   PolicyInterface interface;    ///< kOnnx: how it sees and acts, if not as gust does
