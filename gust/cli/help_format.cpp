@@ -34,7 +34,7 @@ std::string help_text(const std::string& text) {
 std::size_t text_columns() {
   constexpr std::size_t kMost = 100;  // longer lines read badly
   constexpr std::size_t kLeast = 40;
-  return std::clamp(terminal_columns(STDOUT_FILENO, kMost), kLeast, kMost);
+  return std::clamp(terminal_columns(STDOUT_FILENO, kUsualColumns), kLeast, kMost);
 }
 
 std::string wrapped_command(std::string_view line, std::size_t width) {
