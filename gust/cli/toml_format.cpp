@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "gust/core/error.h"
 #include "gust/core/text.h"
 
 namespace gust {

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "gust/core/error.h"
 #include "gust/core/text.h"
 #include "gust/study/preset_files.h"
 #include "gust/study/presets.h"

@@ -112,7 +112,8 @@ class Columns {
  private:
   void drop(const std::vector<std::string>& names) {
     std::vector<std::string> there;
-    std::ranges::copy_if(names, std::back_inserter(there), [&](const std::string& name) { return recording_.has(name); });
+    std::ranges::copy_if(names, std::back_inserter(there),
+                         [&](const std::string& name) { return recording_.has(name); });
     if (!there.empty()) recording_.dropped.push_back(cat(join(there, ", "), " (no ", names.front(), ")"));
   }
 

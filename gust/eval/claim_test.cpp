@@ -167,9 +167,7 @@ TEST_CASE("at the end of a share the number that would decide is the one of its 
     // The least of three shares is lower than each: more episodes, but no more than a few times as many.
     const Verdict least = said(episodes, "min(s(k) for k in [0, 1, 2]) >= 0.99");
     CHECK(least.ruling == Ruling::undecided);
-    const auto number = [&](const std::string& from) {
-      return std::stod(from.substr(from.find("about ") + 6));
-    };
+    const auto number = [&](const std::string& from) { return std::stod(from.substr(from.find("about ") + 6)); };
     REQUIRE(least.needed.starts_with("about "));
     CHECK(number(least.needed) >= 390);
     CHECK(number(least.needed) <= 800);

@@ -116,9 +116,8 @@ FormulaValue at(const Arguments& arguments) {
   if (*after == x) return {curve.values[right]};
   const double share = (x - curve.axis[right - 1]) / (curve.axis[right] - curve.axis[right - 1]);
   const auto around = std::span(curve.values).subspan(right - 1, 2);
-  return {between(around, combine_rising(around, [share](Values values) {
-                    return values[0] + share * (values[1] - values[0]);
-                  }))};
+  return {between(
+      around, combine_rising(around, [share](Values values) { return values[0] + share * (values[1] - values[0]); }))};
 }
 
 CurveArgument filled_curve_of(const FormulaValue& value, std::string_view what) {

@@ -65,8 +65,8 @@ struct Weighed {
   Ruling ruling = Ruling::undecided;
 };
 
-/// How many times the data would decide a part. The end of its interval on the side of the bound comes to the bound: of a
-/// share as Wilson's interval does, of what is computed from shares that are all 0 or 1 with 1 / n.
+/// How many times the data would decide a part. The end of its interval on the side of the bound comes to the bound: of
+/// a share as Wilson's interval does, of what is computed from shares that are all 0 or 1 with 1 / n.
 double factor_needed(const Weighed& part) {
   const Interval& margin = part.margin;
   const double end = margin.estimate < 0 ? margin.high : margin.low;
@@ -166,7 +166,7 @@ Verdict ruled(const Weighed& part, const std::string& measured) {
     if (!std::isnan(part.margin.low) && !std::isnan(part.margin.high))
       return {part.ruling, cat(measured, "; ", margin.limit), margin.limit};
     const std::string_view more = "more than one seed or episode would give an interval";
-    const std::string_view why = !all_unknown(margin)    ? "a resample is not a number"
+    const std::string_view why = !all_unknown(margin)   ? "a resample is not a number"
                                  : margin.limit.empty() ? more
                                                         : std::string_view(margin.limit);
     return {part.ruling, cat(measured, "; ", why)};

@@ -256,7 +256,8 @@ void draw_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rule
   ratio.values.resize(1 + kResamples);
   if (!ratio.upper.empty()) ratio.upper.resize(1 + kResamples);
   for (std::size_t k = 0; k < kResamples; ++k)
-    ratio.set(1 + k, {std::isnan(low[k]) ? 0.0 : std::exp(low[k]), std::isnan(high[k]) ? kInfinity : std::exp(high[k])});
+    ratio.set(1 + k,
+              {std::isnan(low[k]) ? 0.0 : std::exp(low[k]), std::isnan(high[k]) ? kInfinity : std::exp(high[k])});
 }
 
 double win(double x, double y) { return x > y ? 1.0 : x == y ? 0.5 : 0.0; }
@@ -330,8 +331,8 @@ Sampled sampled_margin_ratio(const MarginCells& a, const MarginCells& b, const M
   Sampled ratio = Sampled::constant(std::numeric_limits<double>::quiet_NaN());
   const bool any = !std::isnan(estimate.low) && !std::isnan(estimate.high);
   if (!any || !(curve_a.means.front() > 0.0) || !(curve_b.means.front() > 0.0)) return ratio;
-  ratio.set(0, estimate.exact() ? Bounds(std::exp(estimate.low))
-                                : Bounds(std::exp(estimate.low), std::exp(estimate.high)));
+  ratio.set(
+      0, estimate.exact() ? Bounds(std::exp(estimate.low)) : Bounds(std::exp(estimate.low), std::exp(estimate.high)));
   const std::vector<Source> sources = sources_of(curve_a, curve_b, rng);
   if (sources.empty()) return ratio;
   for (const Source& source : sources) {

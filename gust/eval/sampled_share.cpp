@@ -26,8 +26,7 @@ Sampled sampled_share(Sampled share, std::size_t trials, const Rng& together, co
   share.at_ends = share.estimate() == 0.0 || share.estimate() == 1.0;
   std::vector<double> drawn(share.values.begin() + 1, share.values.end());
   std::vector<double> key(resamples);
-  for (std::size_t k = 0; k < resamples; ++k)
-    key[k] = with_prior(drawn[k], count, k % 2 == 0 ? together : alone, k);
+  for (std::size_t k = 0; k < resamples; ++k) key[k] = with_prior(drawn[k], count, k % 2 == 0 ? together : alone, k);
   std::vector<std::size_t> order(resamples);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t k) { return std::pair(key[k], k); });

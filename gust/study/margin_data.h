@@ -23,8 +23,8 @@ struct MarginReader {
   const Plan& plan;
   const Store& store;
 
-  /// The scores of a metric undisturbed, at the study's levels, and at those that the margin's trial looked at; of these
-  /// members only, if there are some. Null where the members in the store are not the same ones everywhere.
+  /// The scores of a metric undisturbed, at the study's levels, and at those that the margin's trial looked at; of
+  /// these members only, if there are some. Null where the members in the store are not the same ones everywhere.
   std::shared_ptr<const MarginData> read(const SweepOf& of, const std::string& metric,
                                          std::span<const std::size_t> members = {}) const;
 };

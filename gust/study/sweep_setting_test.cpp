@@ -98,10 +98,10 @@ TEST_CASE("the setting tells all that makes a standing disturbance another one")
     return study.sweeps.back().setting(study.setup.plant->spec());
   };
 
-  CHECK(setting("waveform = \"white\"") == "dynamics white at 2");
-  CHECK(setting("waveform = \"white\", start = 5, end = 20") == "dynamics white in steps 5:20 at 2");
+  CHECK(setting("waveform = \"white\"") == "dynamics white(std = 1) at 2");
+  CHECK(setting("waveform = \"white\", start = 5, end = 20") == "dynamics white(std = 1) in steps 5:20 at 2");
   CHECK(setting("waveform = \"white\", start = 5").find(" in steps 5:") != std::string::npos);
-  CHECK(setting("waveform = \"white\", channels = [\"fz\"]") == "dynamics white on fz at 2");
+  CHECK(setting("waveform = \"white\", channels = [\"fz\"]") == "dynamics white(std = 1) on fz at 2");
   CHECK(setting("waveform = { kind = \"sine\", frequency = 1 }") !=
         setting("waveform = { kind = \"sine\", frequency = 2 }"));
 }

@@ -141,7 +141,8 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
   if (total(widths_of(rows)) <= columns) return aligned(rows) + note;
   for (auto& row : rows) row.erase(row.begin() + 1, row.begin() + 3);  // the name of the sweep has to do
   const std::vector<std::size_t> widths = widths_of(rows);
-  const bool fits = total(std::span(widths).first(2)) + kGap + *std::max_element(widths.begin() + 2, widths.end()) <= columns;
+  const bool fits =
+      total(std::span(widths).first(2)) + kGap + *std::max_element(widths.begin() + 2, widths.end()) <= columns;
   return (fits ? in_blocks(rows, 2, columns) : as_list(rows, columns)) + note;
 }
 

@@ -22,8 +22,7 @@ std::size_t policy_of(const Study& study, const std::string& name) {
     if (study.policies[p].name == name) return p;
     known.push_back(study.policies[p].name);
   }
-  throw Error(
-      cat("the study has no policy '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
+  throw Error(cat("the study has no policy '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
 }
 
 std::size_t start_of(const Study& study, const std::string& name) {
@@ -33,8 +32,7 @@ std::size_t start_of(const Study& study, const std::string& name) {
     if (study.starts[s].name == name) return s;
     known.push_back(study.starts[s].name);
   }
-  throw Error(
-      cat("the study has no start '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
+  throw Error(cat("the study has no start '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
 }
 
 std::string_view standing_name(Standing standing) {

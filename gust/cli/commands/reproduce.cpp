@@ -175,11 +175,12 @@ std::string verdicts_text(const PaperResults& results) {
     text += cat(beside(head, paper.claims[c].text, columns), "\n");
   }
   if (!results.verdicts.empty())
-    text += cat("\n",
-                wrapped("The second column: under how many of the readings that bear on it the verdict is the same.",
-                        columns),
-                "\n\n");
-  if (const std::string left_out = left_out_text(results); !left_out.empty()) text += cat(wrapped(left_out, columns), "\n\n");
+    text += cat(
+        "\n",
+        wrapped("The second column: under how many of the readings that bear on it the verdict is the same.", columns),
+        "\n\n");
+  if (const std::string left_out = left_out_text(results); !left_out.empty())
+    text += cat(wrapped(left_out, columns), "\n\n");
   for (const std::string& sentence : findings(results)) text += cat(wrapped(sentence, columns), "\n");
   return text;
 }
