@@ -98,7 +98,7 @@ CurveArgument curve_of(const FormulaValue& value, std::string_view what) {
 FormulaValue levels(const Arguments& arguments) {
   FormulaList list;
   list.axis = curve_of(arguments[0], "levels").axis;
-  for (const double at : list.axis) list.items.push_back({Sampled::constant(at)});
+  for (const double at : list.axis) list.items.emplace_back().data = Sampled::constant(at);
   return {std::move(list)};
 }
 
@@ -132,13 +132,6 @@ FormulaValue of_curve(const FormulaValue& value, std::string_view what, Function
   const CurveArgument curve = filled_curve_of(value, what);
   return {combine(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
 }
-/// The same where it does not fall when one of the values grows.
-template <class Function>
-FormulaValue of_curve_rising(const FormulaValue& value, std::string_view what, Function function) {
-  const CurveArgument curve = filled_curve_of(value, what);
-  return {combine_rising(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
-}
-
 /// A place on the axis of a curve, found by function(axis, values, reference), which may be a bound: infinite above
 /// where it lies beyond the last one, or further where `beyond` says so.
 template <class Function>
@@ -183,14 +176,14 @@ FormulaValue alike(const Arguments& arguments) {
 }
 
 FormulaValue area(const Arguments& arguments) {
-  const std::vector<Sampled> values = filled_curve_of(arguments[0], "area").values;
-  FormulaValue mean = of_curve_rising(arguments[0], "area", [](Values x, Values y) {
-    if (x.size() == 1) return y[0];
-    double sum = 0;
-    for (std::size_t i = 1; i < x.size(); ++i) sum += 0.5 * (x[i] - x[i - 1]) * (y[i] + y[i - 1]);
-    return sum / (x.back() - x.front());
-  });
-  return {between(values, mean.as_number("area"))};
+  const CurveArgument curve = filled_curve_of(arguments[0], "area");
+  const std::vector<double>& x = curve.axis;
+  return {between(curve.values, combine_rising(curve.values, [&x](Values y) {
+                    if (x.size() == 1) return y[0];
+                    double sum = 0;
+                    for (std::size_t i = 1; i < x.size(); ++i) sum += 0.5 * (x[i] - x[i - 1]) * (y[i] + y[i - 1]);
+                    return sum / (x.back() - x.front());
+                  }))};
 }
 /// Refuses a curve along levels that has no margin.
 void check_has_margin(const FormulaList& list) {

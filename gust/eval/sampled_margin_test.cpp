@@ -157,7 +157,7 @@ double covered(const std::string& text, const std::vector<Simulated>& simulated,
   return 100.0 * static_cast<double>(within) / kSets;
 }
 
-TEST_CASE("intervals of formulas over margins cover the truth in 95 % of sets of units") {
+TEST_CASE("intervals of formulas over margins cover the truth in 95 % of sets of units at least, few or many") {
   const std::vector<Simulated> lines = {{}, {.slope = 0.07}};
   const double a = lines[0].margin(), b = lines[1].margin();
   const std::pair<std::string, double> formulas[] = {{"margin(p(0)) - 1.4 * margin(p(1))", a - 1.4 * b},
@@ -167,9 +167,8 @@ TEST_CASE("intervals of formulas over margins cover the truth in 95 % of sets of
       const double share = covered(text, lines, units, truth);
       MESSAGE(text, ", ", units, " units: ", share, " %");
       CHECK(share >= 92);
-      // Two intervals of t with 4 degrees of freedom each make one that is too wide, as no one of the two knows the
-      // other.
-      CHECK(share <= (units == 5 ? 100 : 98));
+      // Above 95 %: each of two intervals has its own few degrees of freedom, and reaches out to the levels, 2 % apart.
+      CHECK(share <= (units == 5 ? 100 : 99.5));
     }
   }
 }
