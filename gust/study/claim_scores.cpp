@@ -6,8 +6,10 @@
 
 #include "gust/core/text.h"
 #include "gust/eval/aggregate.h"
+#include "gust/eval/resampled_mean.h"
 #include "gust/eval/sampled_share.h"
 #include "gust/eval/statistics.h"
+#include "gust/study/margin_data.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/trials.h"
 
@@ -15,6 +17,8 @@ namespace gust {
 namespace {
 
 constexpr std::size_t kResamples = 2'000;
+constexpr std::string_view kSameEpisodes =
+    "every episode from this start is the same one; a random start would give an interval";
 
 std::vector<std::string> names_of(const auto& items) {
   std::vector<std::string> names;
@@ -93,9 +97,18 @@ Sampled ClaimScores::sampled(const Place& place, std::span<const double> units, 
       result.values[1 + k] = statistic(units.subspan(draws.below(units.size(), k), 1));
     return result;
   }
+  Bootstrap& bootstrap = resampling_.try_emplace(key, rng, kResamples).first->second;
+  const auto* plain = statistic.target<double (*)(std::span<const double>)>();
+  if (units.size() > Bootstrap::kMostGroups && plain != nullptr && *plain == mean && all_finite(units)) {
+    const GroupedValues grouped(units);
+    const std::size_t strata[] = {grouped.groups()};
+    bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
+      grouped.resampled_means(times, std::span(result.values).subspan(1 + first, times.lanes));
+    });
+    return result;
+  }
   const std::size_t strata[] = {units.size()};
   std::vector<double> drawn;
-  Bootstrap& bootstrap = resampling_.try_emplace(key, rng, kResamples).first->second;
   bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
     for (std::size_t k = 0; k < times.lanes; ++k) {
       drawn.clear();
@@ -278,6 +291,13 @@ void ClaimScores::add_margin(const Place& place, const std::string& metric, Form
     curve.added_axis = {0.0};
   }
   add_levels(place, metric, curve);
+  if (view_.over_seeds != Statistic::mean || draws_one(place)) return;  // the table's margins are of the mean
+  curve.margin_data = [this, place, metric] {
+    const ClaimSource& from = *place.source;
+    const std::size_t start = index_of(from.study->starts, view_.start);
+    return MarginReader{*from.study, *from.plan, *from.store}.read({place.policy, place.sweep, start}, metric,
+                                                                   members(place));
+  };
 }
 
 void ClaimScores::add_levels(const Place& place, const std::string& metric, FormulaList& curve) const {
@@ -328,6 +348,8 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
         const std::string own = cat(study.name, "/", place.sweep, "/", metric, "/", cells.size());
         cell = sampled_share(std::move(cell), values.rows() * values.lanes(), noise, noise.split(own));
       }
+      const bool alone = study.policies[place.policy].kind != StudyPolicy::Kind::kTrain && cell.n == 1;
+      if (alone && repeats) cell.limit = kSameEpisodes;
       cells.push_back(std::move(cell));
     }
   }

@@ -32,7 +32,7 @@ def test_answer_names_the_claims_and_says_that_it_is_a_miniature(small):
     assert done.stdout.startswith("A miniature: ")
     for claim in ["C58", "C59", "C60", "C61"]:
         assert f"\n{claim}  open (1) " in done.stdout
-    assert "Of 4 claims 4 are open, under the reading that decides each; of their 19 parts " in done.stdout
+    assert "Of 4 claims 4 are open, under the reading that decides each; of their 19 parts " in " ".join(done.stdout.split())
     assert done.stdout.endswith("Page: paper-quick.gust/report.html\n")
 
 
@@ -80,7 +80,8 @@ def test_a_claim_is_told_with_all_its_parts_from_the_trainings_that_are_there(gu
     shutil.copytree(small[0] / "paper-quick.gust", tmp_path / "done")
     before = tables(tmp_path / "done")
     told = gust(*QUICK, "--claim", "C61", "--seeds", "1", "--out", "done", seconds=60).stdout
-    assert told.startswith("C61: Under observation and action noise every range beats PPO, and high is the best\n\nscg-2022: open, ")
+    assert " ".join(told.split()).startswith(
+        "C61: Under observation and action noise every range beats PPO, and high is the best scg-2022: open, ")
     assert told.count("    open, ") == 5 and "  r = low\n" in told
     assert "Other readings\n" in told and "as printed" in told
     parts = json.loads(gust(*QUICK, "--claim", "C61", "--seeds", "1", "--out", "done", "--json", seconds=60).stdout)
@@ -187,13 +188,13 @@ def test_kept_episodes_that_changed_are_errors(gust, tmp_path):
 
 
 def test_verdicts_fit_the_terminal(small):
-    """Where there is one; a file or a pipe gets every word."""
+    """Every word of them, in lines as wide as the terminal; in a file or a pipe 80 columns wide."""
     folder, done = small
-    assert "PPO over low and mid to high\n" in done.stdout
+    assert "PPO over low and mid to high" in " ".join(done.stdout.split())
+    assert all(len(line) <= 80 for line in done.stdout.splitlines())
     seen = in_terminal([PROGRAM, *QUICK, "--only", "table-dr", "--seeds", "1"], folder, columns=70)
-    lines = [line for line in seen.splitlines() if line.startswith("C5") or line.startswith("C6")]
-    assert len(lines) == 4 and all(len(line) <= 70 for line in lines)
-    assert any(line.endswith("...") for line in lines)
+    assert all(len(line) <= 70 for line in seen.splitlines())
+    assert " ".join(seen.split()) == " ".join(done.stdout.split())
 
 
 def test_so_far_judges_what_is_there_and_runs_nothing(gust, tmp_path, small):
@@ -210,8 +211,8 @@ def test_so_far_judges_what_is_there_and_runs_nothing(gust, tmp_path, small):
 
     done = gust(*so_far, cwd=tmp_path / "some", code=1)
     assert done.stderr == ""
-    assert done.stdout.startswith("A miniature: 10 % of the training steps, 1 seed of each training, "
-                                  "2 known trials are still to be run.")
+    assert " ".join(done.stdout.split()).startswith(
+        "A miniature: 10 % of the training steps, 1 seed of each training, 2 known trials are still to be run.")
     assert len(list((tmp_path / "some/paper-quick.gust/store/train").iterdir())) == len(trained) - 1
     assert "2 known trials are still to be run" in (tmp_path / "some/paper-quick.gust/report.html").read_text()
 
