@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "gust/core/hash.h"
 #include "gust/core/text.h"
 #include "gust/eval/aggregate.h"
 #include "gust/eval/resampled_mean.h"
@@ -332,6 +333,7 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   }
   std::vector<std::string> missing;
   std::vector<Sampled> cells;
+  std::vector<float> all_units;
   for (TrialGroup group : trial_groups(*place.source->plan)) {
     if (group.policy != place.policy || group.sweep != place.sweep) continue;
     keep_in_order(place, group.trials);
@@ -341,7 +343,9 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     const bool repeats = episodes_repeat(study, place.sweep, start);
     while (rows.next()) {
       const Matrix<double> values = rows.values(start, metric, repeats);
-      Sampled cell = sampled(place, unit_values(values.view()), over_units(place));
+      const std::vector<double> units = unit_values(values.view());
+      all_units.insert(all_units.end(), units.begin(), units.end());
+      Sampled cell = sampled(place, units, over_units(place));
       if (is_share && cell.n > 1 && !draws_one(place)) {
         const std::string key = seeds_key(study, study.policies[place.policy]);
         const Rng noise = rng_.split("shares").split(key);
@@ -354,6 +358,12 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     }
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
+  if (place.source->log != nullptr) {
+    const StudyPolicy& policy = study.policies[place.policy];
+    place.source->log->note({place.source->name, policy.name,
+                             place.sweep == Trial::kNominal ? "" : study.sweeps[place.sweep].name, view_.start, metric,
+                             hash_hex(seeds_key(study, policy)).substr(0, 8), cells.front().n, std::move(all_units)});
+  }
   return cells;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "gust/study/reproduction.h"
 
@@ -11,6 +12,7 @@ struct PaperResults {
   Reproduction reproduction;       ///< its automatic sweeps have the levels that were found
   std::vector<Summary> summaries;  ///< of its studies
   std::vector<PaperVerdict> verdicts;
+  std::shared_ptr<ScoreLog> scores;                             ///< that decided them; not read back
   std::vector<std::string> failures;                            ///< trials that did not end well, each with its reason
   std::vector<std::pair<std::string, std::string>> provenance;  ///< versions, machine, time; in order
   std::size_t missing = 0;                                      ///< trials that are still to be run
@@ -29,6 +31,7 @@ struct PaperResults {
 ///
 ///   reproduction.json           which paper, profile, studies and seeds; versions, machine, time; what failed
 ///   claims.csv                  a line a claim and reading
+///   scores.csv, scores.f32      the scores of every training that a claim asked for (ScoreLog)
 ///   READING/STUDY.csv           the cells (cells_csv)
 ///   READING/STUDY-learning.csv  learning curves, of the figures that show them
 ///   READING/STUDY-N.json        episodes for the replay, of the figures that show them

@@ -85,6 +85,10 @@ std::optional<std::size_t> Reproduction::find(std::size_t reading, std::string_v
   return find(paper->readings[reading].like.value_or(0), study);
 }
 
+std::string Reproduction::stem(const ReproductionStudy& study) const {
+  return cat(slug(paper->readings[study.reading].name), "/", paper->figures[study.figure].study);
+}
+
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice) {
   Reproduction reproduction{&paper, choice, &item_at(paper.profiles, choice.profile, "profile"), {}};
   std::vector<std::string> names;

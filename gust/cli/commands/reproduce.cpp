@@ -72,7 +72,8 @@ PaperResults judged(Reproduction reproduction, const std::vector<RunOutcome>& ou
   PaperResults results{std::move(reproduction), {}, {}, complaints(outcomes), provenance(), still_to_run(outcomes)};
   std::vector<Plan> plans;
   for (const RunOutcome& outcome : outcomes) plans.push_back(outcome.plan);
-  results.verdicts = judge_paper(results.reproduction, plans, store, threads, named);
+  results.scores = std::make_shared<ScoreLog>();
+  results.verdicts = judge_paper(results.reproduction, plans, store, threads, named, results.scores.get());
   return results;
 }
 
