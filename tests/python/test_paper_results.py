@@ -10,13 +10,13 @@ import pytest
 from conftest import ROOT
 
 RESULTS = ROOT / "results/paper"
-PACK = ROOT / "results/paper.pack"
 STUDY = "table-adversary"
+PACK = ROOT / f"results/trainings/{STUDY}.pack"
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, program):
-    """A result folder with all trainings that were committed, and nothing measured."""
+    """A result folder with the trainings of the study, and nothing measured."""
     folder = tmp_path_factory.mktemp("paper") / "paper.gust"
     subprocess.run([program, "store", "unpack", PACK, folder], check=True, timeout=300)
     return folder
