@@ -49,6 +49,7 @@ struct ReproductionPage {
     Page::Estimate printed;  ///< low and high: one standard deviation to each side, where the paper has it
     Page::Estimate ours;
     std::vector<double> trainings = {};  ///< ours, of each training alone
+    double deviation = Page::kUnknown;   ///< ours, of episodes, as the paper's is
   };
 
   struct Figure {

@@ -31,7 +31,9 @@ void fill_ours(const Study& study, const Summary& summary, const std::string& me
   if (series == nullptr) return;
   const std::size_t index = study.metric_set.index(metric, {});
   cell.ours = shown(series->at(index, 0));
-  if (index == study.metrics.front()) cell.trainings = series->trainings;
+  if (index != study.metrics.front()) return;
+  cell.trainings = series->trainings;
+  cell.deviation = series->episode_deviation;
 }
 
 }  // namespace

@@ -68,6 +68,17 @@ std::string trainings_text(const ReproductionPage::TableCell& cell) {
   return cat("; ", short_number(range.value), ", ", short_number(range.low), " to ", short_number(range.high));
 }
 
+/// "0.195 ± 0.087".
+std::string printed_text(const Page::Estimate& printed) {
+  const double deviation = (printed.high - printed.low) / 2;
+  return cat(short_number(printed.value), std::isfinite(deviation) ? cat(" ± ", short_number(deviation)) : "");
+}
+
+/// " ± 0.087" of our episodes.
+std::string deviation_text(const ReproductionPage::TableCell& cell) {
+  return std::isfinite(cell.deviation) ? cat(" ± ", short_number(cell.deviation)) : "";
+}
+
 /// The paper's table beside ours: a line a row, a column a policy, the printed value first.
 std::string table_text(const ReproductionPage::Figure& figure) {
   std::vector<std::string> rows, columns;
@@ -76,7 +87,8 @@ std::string table_text(const ReproductionPage::Figure& figure) {
     if (std::ranges::find(columns, value.column) == columns.end()) columns.push_back(value.column);
   }
   std::string text = cat("Printed → ours (", figure.table_metric,
-                         ", mean over seeds [interval]; median of single trainings, least to greatest):\n\n|  |");
+                         ", mean over seeds [interval]; ± over episodes, as the paper's is; median of single "
+                         "trainings, least to greatest):\n\n|  |");
   for (const std::string& column : columns) text += cat(" ", cell(column), " |");
   text += "\n| --- |";
   for (std::size_t i = 0; i < columns.size(); ++i) text += " --- |";
@@ -86,9 +98,9 @@ std::string table_text(const ReproductionPage::Figure& figure) {
     for (const std::string& column : columns) {
       const auto at = std::ranges::find_if(
           figure.table, [&](const auto& value) { return value.row == row && value.column == column; });
-      text += at == figure.table.end()
-                  ? " |"
-                  : cat(" ", short_number(at->printed.value), " → ", number(at->ours), trainings_text(*at), " |");
+      text += at == figure.table.end() ? " |"
+                                       : cat(" ", printed_text(at->printed), " → ", number(at->ours),
+                                             deviation_text(*at), trainings_text(*at), " |");
     }
     text += "\n";
   }

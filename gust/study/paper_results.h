@@ -12,10 +12,10 @@ struct PaperResults {
   Reproduction reproduction;       ///< its automatic sweeps have the levels that were found
   std::vector<Summary> summaries;  ///< of its studies
   std::vector<PaperVerdict> verdicts;
-  std::shared_ptr<ScoreLog> scores;                             ///< that decided them; not read back
   std::vector<std::string> failures;                            ///< trials that did not end well, each with its reason
   std::vector<std::pair<std::string, std::string>> provenance;  ///< versions, machine, time; in order
   std::size_t missing = 0;                                      ///< trials that are still to be run
+  std::shared_ptr<ScoreLog> scores = nullptr;                   ///< that decided the claims; not read back
 
   /// What must stand wherever the numbers appear: that these are fewer steps, seeds or trials than the studies have.
   /// Empty for the full run.

@@ -3,7 +3,7 @@
 #include <bit>
 
 #include "gust/core/csv.h"
-#include "gust/core/text.h"
+#include "gust/core/error.h"
 
 namespace gust {
 
