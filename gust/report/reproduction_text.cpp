@@ -132,7 +132,15 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
       text += cat("  - ", claim->id, ": ", claim->text.substr(0, claim->text.find(" (")), ".\n");
   }
   text += "\n## How the paper can be read\n\n";
-  for (const auto& reading : page.readings) text += cat("- **", reading.name, "**: ", reading.says, "\n");
+  const std::vector<Specification> specified = specifications(page);
+  for (std::size_t r = 0; r < page.readings.size(); ++r) {
+    const auto at = std::ranges::find(specified, r, &Specification::reading);
+    text += cat("- **", page.readings[r].name, "**: ", page.readings[r].says,
+                at == specified.end() ? ""
+                                      : cat(" Of the parts of the ", counted(at->claims, "claim", "claims"),
+                                            " that it bears on ", at->true_parts, " of ", at->parts, " are true."),
+                "\n");
+  }
   const std::string& checks = results.reproduction.paper->checks;
   if (!checks.empty()) text += cat("\n## Checks from outside\n\n", checks);
   for (const auto& figure : page.figures) {
