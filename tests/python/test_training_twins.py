@@ -15,9 +15,10 @@ import onnx
 import pytest
 from onnx import numpy_helper
 
+from twins.adversaries import Rap, RapOptions, Rarl, RarlOptions
 from twins.cartpole import SCG_2022, SCG_DEFAULT
 from twins.networks import Adam
-from twins.ppo import Learner, Options
+from twins.ppo import Learner, Options, standardised
 from twins.trainings import Ppo
 
 STEPS = 2000  # five rollouts
@@ -49,7 +50,7 @@ def distance(ours, theirs):
 class Setting:
     """A training of gust's, and the twin of it."""
 
-    agent: str = "ppo"
+    twin: type = Ppo
     plant: object = SHORT
     options: Options = Options()
     seed: int = SEED
@@ -58,13 +59,14 @@ class Setting:
     def train(self, gust, folder):
         """gust's weights at the end."""
         preset, usual = ("scg-default", SCG_DEFAULT) if self.plant is SCG_DEFAULT else ("scg-2022", SCG_2022)
-        gust("train", self.agent, "--plant", "cartpole", "--preset", preset, "--steps", self.steps, "--seed", self.seed,
-             *changes(self.plant, usual), *changes(self.options, type(self.options)()), "--out", "policy.onnx")
+        gust("train", self.twin.__name__.lower(), "--plant", "cartpole", "--preset", preset, "--steps", self.steps,
+             "--seed", self.seed, *changes(self.plant, usual), *changes(self.options, type(self.options)()),
+             "--out", "policy.onnx")
         return weights(folder / "policy.onnx")
 
-    def difference(self, theirs, training, **mistaken):
+    def difference(self, theirs, **mistaken):
         """How far the twin ends from gust's weights, in distances that those have come from the start."""
-        twin = training(self.plant, self.options, self.seed, **mistaken)
+        twin = mistaken.pop("twin", self.twin)(self.plant, self.options, self.seed, **mistaken)
         start = [parameter.copy() for parameter in twin.protagonist.actor.parameters]
         twin.run(self.steps)
         return distance(twin.protagonist.actor.parameters, theirs) / distance(start, theirs)
@@ -79,7 +81,7 @@ class Setting:
     Setting(options=Options(**MODERN), seed=2),
 ], ids=("scg-2022", "scg-2022 seed 2", "scg-default", "short", "gae", "modern"))
 def test_ppo_ends_where_its_twin_does(gust, tmp_path, setting):
-    assert setting.difference(setting.train(gust, tmp_path), Ppo) < ROUNDING
+    assert setting.difference(setting.train(gust, tmp_path)) < ROUNDING
 
 
 class EndByTimeIsAnEnd(Learner):
@@ -142,4 +144,75 @@ def test_a_mistake_in_the_twin_of_ppo_shows(gust, tmp_path, mistaken):
     # Adam takes no notice of a loss's factor unless its epsilon is large.
     setting = Setting(options=Options(adam_epsilon=1e-3 if mistaken is CriticWithoutTheHalf else 1e-8))
 
-    assert setting.difference(setting.train(gust, tmp_path), Ppo, learner=mistaken) > MISTAKE
+    assert setting.difference(setting.train(gust, tmp_path), learner=mistaken) > MISTAKE
+
+
+RARL = Setting(Rarl, options=RarlOptions(scale=2), steps=4000)  # far enough that the protagonist feels it
+RAP = Setting(Rap, options=RapOptions(scale=5))
+EPISODES = RapOptions(scale=5, population=3, reset_each_rollout=False, joint_advantages=False, strength_bins=2)
+
+
+@pytest.mark.parametrize("setting", [
+    RARL,
+    Setting(Rarl, options=RarlOptions(), seed=1, steps=4000),
+    Setting(Rarl, options=RarlOptions(site="action", scale=2, offset=0.5, adversary_iterations=2), seed=1, steps=3600),
+    RAP,
+    Setting(Rap, plant=SCG_2022, options=RapOptions(), seed=2),
+    Setting(Rap, options=EPISODES, seed=1),
+], ids=("rarl", "rarl scg-2022", "rarl action", "rap", "rap scg-2022", "rap episodes"))
+def test_trainings_with_adversaries_end_where_their_twins_do(gust, tmp_path, setting):
+    assert setting.difference(setting.train(gust, tmp_path)) < ROUNDING
+
+
+class RarlWithCommonRewards(Rarl):
+    def opposed(self, rollout, actions):
+        return dataclasses.replace(rollout, action=actions)
+
+
+class RarlAdversaryFirst(Rarl):
+    def protagonists(self):
+        return not super().protagonists()
+
+
+class RarlThatBeginsAnew(Rarl):
+    def iterate(self, share):
+        if self.steps > 0:
+            self.environments.restart()
+        super().iterate(share)
+
+
+class RapWithCommonRewards(Rap):
+    def opposed(self, rollout, actions):
+        return dataclasses.replace(rollout, action=actions)
+
+
+class RapThatLearnsFromAll(Rap):
+    def owned(self, owners, k):
+        return np.full(owners.size, True)
+
+
+class RapThatGoesOn(Rap):
+    """Every rollout draws adversaries, but goes on where the last one ended."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self.environments.restart = lambda: None
+
+
+class RapThatKeepsItsOwners(Rap):
+    def draw(self, marked):
+        if not self.drawn.any():
+            super().draw(marked)
+
+
+class RapStandardisedApart(Rap):
+    def scaled(self, advantages):
+        return [standardised(advantage) for advantage in advantages]
+
+
+@pytest.mark.parametrize("mistaken", (RarlWithCommonRewards, RarlAdversaryFirst, RarlThatBeginsAnew, RapWithCommonRewards,
+                                      RapThatLearnsFromAll, RapThatGoesOn, RapThatKeepsItsOwners, RapStandardisedApart))
+def test_a_mistake_in_the_twin_of_an_adversarial_training_shows(gust, tmp_path, mistaken):
+    setting = RARL if issubclass(mistaken, Rarl) else RAP
+
+    assert setting.difference(setting.train(gust, tmp_path), twin=mistaken) > MISTAKE

@@ -44,10 +44,6 @@ class Rollout:
     last: np.ndarray  # the observation after the step, before any new episode
     final: np.ndarray  # environments: the observation that comes next
 
-    def opposed(self, action):
-        """The same for an adversary, which took these actions."""
-        return dataclasses.replace(self, action=action, reward=-self.reward)
-
 
 def standardised(advantage):
     return (advantage - advantage.mean()) / (advantage.std() + 1e-6)

@@ -1,4 +1,4 @@
-"""Whole trainings: environments and those who learn in them."""
+"""A whole training by proximal policy optimisation."""
 
 import math
 
