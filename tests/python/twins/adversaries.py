@@ -98,7 +98,7 @@ class Rap(Ppo):
     def draw(self, marked):
         """A new adversary for the environments that are marked, by each one's own lots."""
         for lane in np.flatnonzero(marked):
-            self.owner[lane] = self.lots[lane].below(self.options.population, self.drawn[lane])
+            self.owner[lane] = self.lots[lane].below(self.options.population, int(self.drawn[lane]))
         self.drawn += marked
 
     def iterate(self, share):

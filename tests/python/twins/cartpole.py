@@ -68,7 +68,7 @@ class Environments:
             self.begin(lane)
 
     def begin(self, lane):
-        draws = self.rng.split(lane).split(int(self.episode[lane])).split("start").uniform(np.arange(4))
+        draws = self.rng.split(lane).split(self.episode[lane]).split("start").uniform(np.arange(4))
         self.state[lane] = np.array(self.plant.start_range) * (2 * draws - 1)
         self.age[lane] = 0
 

@@ -2,11 +2,19 @@
 
 import numpy as np
 
+# What a hidden layer does to its sums, and the slope of that from what came out.
+ACTIVATIONS = {
+    "tanh": (np.tanh, lambda value: 1 - value**2),
+    "relu": (lambda total: np.maximum(total, 0), lambda value: value > 0),
+    "none": (lambda total: total, lambda value: 1),
+}
+
 
 class Network:
-    """Linear layers with tanh between them, started as PyTorch's linear layers are: U(±1/sqrt(inputs))."""
+    """Linear layers with an activation after each hidden one, started as PyTorch's are: U(±1/sqrt(inputs))."""
 
-    def __init__(self, sizes, rng):
+    def __init__(self, sizes, rng, activations=("tanh", "tanh")):
+        self.after = [ACTIVATIONS[name] for name in (*activations, "none")]
         self.parameters = []  # weights, biases, weights ...
         for layer, (inputs, outputs) in enumerate(zip(sizes, sizes[1:])):
             for name, shape in (("weights", (outputs, inputs)), ("biases", (outputs,))):
@@ -18,21 +26,22 @@ class Network:
     def layers(self, inputs):
         """The inputs, what each hidden layer makes of them, and the outputs."""
         values = [inputs]
-        for weights, biases in zip(self.parameters[::2], self.parameters[1::2]):
-            values.append(np.tanh(values[-1] @ weights.T + biases))
-        values[-1] = values[-2] @ weights.T + biases
+        for weights, biases, (activate, _) in zip(self.parameters[::2], self.parameters[1::2], self.after):
+            values.append(activate(values[-1] @ weights.T + biases))
         return values
 
     def __call__(self, inputs):
         return self.layers(inputs)[-1]
 
-    def gradient(self, layers, slope):
-        """A loss's gradient at the parameters, given its slope at the outputs."""
+    def gradients(self, layers, slope):
+        """A loss's gradients at the parameters and at the inputs, given its slope at the outputs."""
         gradient = []
-        for value, weights in zip(layers[-2::-1], self.parameters[-2::-2]):
-            gradient[:0] = [slope.T @ value, slope.sum(axis=0)]
-            slope = slope @ weights * (1 - value**2)
-        return gradient
+        for below, above, weights, (_, steepness) in list(zip(layers, layers[1:], self.parameters[::2],
+                                                              self.after))[::-1]:
+            slope = slope * steepness(above)
+            gradient[:0] = [slope.T @ below, slope.sum(axis=0)]
+            slope = slope @ weights
+        return gradient, slope
 
 
 class Adam:
@@ -40,8 +49,8 @@ class Adam:
 
     def __init__(self, parameters, rate, epsilon):
         self.parameters, self.rate, self.epsilon = parameters, rate, epsilon
-        self.mean = [np.zeros_like(p) for p in parameters]
-        self.square = [np.zeros_like(p) for p in parameters]
+        self.mean = [np.zeros_like(parameter) for parameter in parameters]
+        self.square = [np.zeros_like(parameter) for parameter in parameters]
         self.steps = 0
 
     def step(self, gradient, share=1):

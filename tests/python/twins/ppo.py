@@ -6,6 +6,8 @@ import numpy as np
 
 from twins.networks import Adam, Network
 
+LAMBDA = 0.95  # of the generalised advantages
+
 
 @dataclasses.dataclass(frozen=True)
 class Options:
@@ -100,7 +102,7 @@ class Learner:
         for step in reversed(range(len(reward))):
             keep = self.options.discount * ~rollout.done[step]
             total = reward[step] + keep * total
-            advantage = reward[step] + keep * following - value[step] + 0.95 * keep * advantage
+            advantage = reward[step] + keep * following - value[step] + LAMBDA * keep * advantage
             following = value[step]
             totals.append(total)
             advantages.append(advantage)
@@ -131,7 +133,7 @@ class Learner:
 
     def actor_gradient(self, batch, layers, slope):
         error = (batch["action"] - layers[-1]) / np.exp(self.log_std)
-        gradient = self.actor.gradient(layers, slope[:, None] * error / np.exp(self.log_std))
+        gradient, _ = self.actor.gradients(layers, slope[:, None] * error / np.exp(self.log_std))
         return [*gradient, slope @ (error**2 - 1) - self.options.entropy]
 
     def too_far(self, old, new):
@@ -147,7 +149,7 @@ class Learner:
             self.actor_adam.step(bounded(gradient, self.options.max_grad_norm), share)
         layers = self.critic.layers(batch["observation"])
         slope = self.value_slope(layers[-1][:, 0], batch["target"], batch["value"])
-        gradient = self.critic.gradient(layers, slope[:, None])
+        gradient, _ = self.critic.gradients(layers, slope[:, None])
         self.critic_adam.step(bounded(gradient, self.options.max_grad_norm), share)
 
     # A whole rollout.

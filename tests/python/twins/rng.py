@@ -2,48 +2,42 @@
 
 import numpy as np
 
-LOW = np.uint64(0xffffffff)
-HALF = np.uint64(32)
-EVERY_BIT = 2**64 - 1
+LOW, EVERY_BIT = 2**32 - 1, 2**64 - 1
 DRAW, SPLIT = 0, 1  # what a counter is used for
 
 
-def philox(key, counters, purpose):
-    """The two 64-bit words of each counter's block."""
-    counters = np.asarray(counters, dtype=np.uint64)
-    words = [counters & LOW, counters >> HALF, np.full_like(counters, purpose), np.zeros_like(counters)]
-    keys = [key & 0xffffffff, key >> 32]
+def philox(key, counter, purpose):
+    """The two 64-bit words of a counter's block; of every one's if it is an array."""
+    if not isinstance(counter, int):
+        counter = np.asarray(counter, dtype=np.uint64)
+    words = [counter & LOW, counter >> 32, purpose, 0]
+    keys = [key & LOW, key >> 32]
     for _ in range(10):
-        first, second = np.uint64(0xd2511f53) * words[0], np.uint64(0xcd9e8d57) * words[2]
-        words = [second >> HALF ^ words[1] ^ np.uint64(keys[0]), second & LOW,
-                 first >> HALF ^ words[3] ^ np.uint64(keys[1]), first & LOW]
-        keys = [(keys[0] + 0x9e3779b9) & 0xffffffff, (keys[1] + 0xbb67ae85) & 0xffffffff]
-    return words[0] | words[1] << HALF, words[2] | words[3] << HALF
+        first, second = 0xd2511f53 * words[0], 0xcd9e8d57 * words[2]
+        words = [second >> 32 ^ words[1] ^ keys[0], second & LOW, first >> 32 ^ words[3] ^ keys[1], first & LOW]
+        keys = [keys[0] + 0x9e3779b9 & LOW, keys[1] + 0xbb67ae85 & LOW]
+    return words[0] | words[1] << 32, words[2] | words[3] << 32
 
 
 def unit(bits):
     """The upper 53 bits as a number in [0, 1)."""
-    return (bits >> np.uint64(11)) * 2.0**-53
+    return (bits >> 11) * 2.0**-53
 
 
 class Rng:
-    """A stream; number i of it depends on its seed and path alone."""
+    """A stream; number i of it depends on its seed and path alone. A whole array of numbers i gives an array."""
 
     def __init__(self, seed, key=None):
-        self.key = self.mixed(seed, 0x6775737400000000) if key is None else key
-
-    @staticmethod
-    def mixed(key, tag):
-        return int(philox(key, [tag], SPLIT)[0][0])
+        self.key = philox(seed, 0x6775737400000000, SPLIT)[0] if key is None else key
 
     def split(self, which):
         """The stream of a child: of a number, or of a purpose by its name."""
-        if isinstance(which, str):
-            tag = 0xcbf29ce484222325  # FNV-1a
-            for letter in which.encode():
-                tag = (tag ^ letter) * 0x100000001b3 & EVERY_BIT
-            return Rng(0, self.mixed(self.key ^ EVERY_BIT, tag))
-        return Rng(0, self.mixed(self.key, which))
+        if not isinstance(which, str):
+            return Rng(None, philox(self.key, int(which), SPLIT)[0])
+        tag = 0xcbf29ce484222325  # FNV-1a
+        for letter in which.encode():
+            tag = (tag ^ letter) * 0x100000001b3 & EVERY_BIT
+        return Rng(None, philox(self.key ^ EVERY_BIT, tag, SPLIT)[0])
 
     def uniform(self, i):
         return unit(philox(self.key, i, DRAW)[0])
@@ -54,14 +48,14 @@ class Rng:
         return np.sqrt(-2 * np.log(1 - first)) * np.cos(2 * np.pi * second)
 
     def below(self, n, i):
-        """Whole numbers in 0 ... n-1; n < 2^32: the upper half of the 128-bit product."""
-        bits, n = philox(self.key, i, DRAW)[0], np.asarray(n, dtype=np.uint64)
-        return ((bits >> HALF) * n + ((bits & LOW) * n >> HALF) >> HALF).astype(int)
+        """Whole numbers in 0 ... n-1 for n < 2^32: the upper half of the product of 128 bits."""
+        bits = philox(self.key, i, DRAW)[0]
+        return (bits >> 32) * n + ((bits & LOW) * n >> 32) >> 32
 
     def permutation(self, count):
-        """By Fisher and Yates from behind: place i changes with place below(i + 1), draw number i + 1."""
+        """By Fisher and Yates from behind: the last of i places changes with place below(i), which is draw i."""
         order = np.arange(count)
-        sizes = np.arange(count, 1, -1)
-        for size, other in zip(sizes, self.below(sizes, sizes)):
+        sizes = np.arange(count, 1, -1, dtype=np.uint64)
+        for size, other in zip(sizes.tolist(), self.below(sizes, sizes).tolist()):
             order[size - 1], order[other] = order[other], order[size - 1]
         return order

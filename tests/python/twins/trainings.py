@@ -17,6 +17,9 @@ class Ppo:
         self.environments = Environments(plant, options.environments, self.rng.split("environments"))
         self.protagonist = learner(options, 4, 1, self.rng.split("learner"))
 
+    def policy(self):
+        return self.protagonist.actor.parameters
+
     def run(self, steps):
         total = math.ceil(steps / self.turn()) * self.turn()
         while self.steps < total:
