@@ -179,6 +179,43 @@ def test_trainings_with_adversaries_end_where_their_twins_do(gust, tmp_path, set
     assert setting.difference(setting.train(gust, tmp_path)) < ROUNDING
 
 
+STUDY = """schema = 1
+name = "twins"
+plant = {{ kind = "cartpole", preset = "scg-2022", control_rate = 250 }}
+
+[evaluate]
+episodes = 1
+
+[[policy]]
+name = "policy"
+kind = "train"
+seeds = [{seed}]
+agent = {{ kind = "{kind}", steps = {steps}, scale = {scale} }}
+
+[[sweep]]
+name = "nothing"
+site = "action"
+waveform = "step"
+levels = [0]
+"""
+
+
+@pytest.mark.parametrize("setting", (RARL, RAP), ids=("rarl", "rap"))
+def test_adversaries_end_where_their_twins_do(gust, tmp_path, setting):
+    twin = setting.twin(setting.plant, setting.options, setting.seed)
+    starts = [[parameter.copy() for parameter in adversary.actor.parameters] for adversary in twin.population]
+
+    (tmp_path / "study.toml").write_text(STUDY.format(seed=setting.seed, kind=setting.twin.__name__.lower(),
+                                                      steps=setting.steps, scale=setting.options.scale))
+    gust("run", "study.toml", "--out", "results")
+    twin.run(setting.steps)
+
+    trained = [weights(path) for path in sorted((tmp_path / "results").rglob("adversary-*.onnx"))]
+    assert len(trained) == len(twin.population)
+    for theirs, adversary, start in zip(trained, twin.population, starts):
+        assert distance(adversary.actor.parameters, theirs) / distance(start, theirs) < ROUNDING
+
+
 class RarlWithCommonRewards(Rarl):
     def opposed(self, rollout, actions):
         return dataclasses.replace(rollout, action=actions)

@@ -44,6 +44,7 @@ class Rarl(Ppo):
     def __init__(self, plant, options, seed, learner=Learner):
         super().__init__(plant, options, seed, learner)
         self.adversary = learner(options, 4, options.channels(), self.rng.split("adversary"))
+        self.population = [self.adversary]
 
     def turn(self):
         return (self.options.agent_iterations + self.options.adversary_iterations) * self.samples()
