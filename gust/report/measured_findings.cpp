@@ -256,7 +256,7 @@ NoiseCount training_noise(const PaperResults& results, const PaperFigure& figure
 }
 
 std::string counts_text(const NoiseCount& count) {
-  return cat(count.better, " of ", count.levels, " levels (beyond both intervals at ", count.apart, ", the lower at ",
+  return cat(count.better, " of ", count.levels, " levels (clearly at ", count.apart, ", clearly worse at ",
              count.worse_apart, ")");
 }
 
@@ -278,7 +278,7 @@ std::string training_noise_sentence(const PaperResults& results) {
   const std::string& name = reproduction.paper->readings.front().name;
   const bool reversed = 2 * tested.better < tested.levels && 2 * other.better > other.levels;
   return cat(
-      "Trained with the noise of the test, policies have the higher return over the horizon than trained without at ",
+      "Trained with the noise of the test, policies have more return over the horizon than trained without at ",
       counts_text(tested), " from the start of the paper's tests, and at ", counts_text(near),
       " from starts like those of the training",
       drawn == main ? "" : cat("; under ", name, ", on its own levels, at ", counts_text(other)),

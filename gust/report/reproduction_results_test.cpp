@@ -152,11 +152,10 @@ TEST_CASE(
   PaperResults results = invented_results_of("training-noise");
   const auto heard = [&] { return opening_findings(results); };
   CHECK(says(heard(),
-             "than trained without at 0 of 48 levels (beyond both intervals at 0, the lower at 0) from the start "
+             "than trained without at 0 of 48 levels (clearly at 0, clearly worse at 0) from the start "
              "of the paper's tests, and at 0 of 48"));  // all equal
 
   const std::size_t drawn = *results.reproduction.drawn(*results.reproduction.paper->figure("training-noise"));
-  const Study& study = results.reproduction.studies[drawn].study;
   const auto set = [&](std::size_t at, const std::string& policy, double value) {
     const Study& changed = results.reproduction.studies[at].study;
     for (Series& series : results.summaries[at].series) {
@@ -166,16 +165,15 @@ TEST_CASE(
     }
   };
   set(drawn, "ppo dynamics 1.5", 1.5);
-  CHECK(says(heard(), "at 1 of 48 levels (beyond"));  // trained with it, tested with it
+  CHECK(says(heard(), "at 1 of 48 levels (clearly"));  // trained with it, tested with it
   CHECK_FALSE(says(heard(), "as printed"));
 
   set(0, "ppo", 1.5);
   set(0, "rap", 1.5);
   CHECK(says(heard(),
-             "; under scg-2022, on its own levels, at 42 of 42 levels (beyond both intervals at 0, the lower at "
+             "; under scg-2022, on its own levels, at 42 of 42 levels (clearly at 0, clearly worse at "
              "0): as printed under the author's settings, the reverse under the others. Undisturbed they average "
              "1.01 from the one start and 1.01 from the others, those trained without noise 1.00 and 1.00."));
-  CHECK(study.policies.size() > 50);
 }
 
 TEST_CASE("the page and the text of a reproduction hold its figures and claims, and what failed") {
