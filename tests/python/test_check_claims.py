@@ -170,7 +170,7 @@ def test_parts_are_told_by_their_names_with_scores_of_kept_curves(results):
     assert [part.interval[0] for part in parts] == [0.1875, -0.3125, -0.125]
     assert [part.says.endswith(name) for part, name in zip(parts, ("a = sac", "a = rap", "0.5 * score('ppo')"))] == [True] * 3
     # The last part is false in all resamples, and furthest from true: 0.5 or 0.25 at level 2 are against 0.5.
-    assert min(parts, key=CHECK.Part.order).interval[1:] == [-0.25, 0]
+    assert min(parts, key=lambda part: part.order(3)).interval[1:] == [-0.25, 0]
 
 
 def test_readings_ask_other_studies_starts_metrics_and_statistics(results):
@@ -225,9 +225,9 @@ def problem(row, parts, left_out):
     if not parts:
         return None
     estimate, low, high = (float(row[key] or "nan") for key in ("estimate", "low", "high"))
-    decides = min(parts, key=CHECK.Part.order)
-    same = [part for part in parts if close(part.interval[0], estimate) and part.order()[0] == decides.order()[0]
-            and part.distance <= decides.distance + DISTANCE * abs(decides.distance)]
+    decides = min(parts, key=lambda part: part.order(len(parts)))
+    most = decides.distance * (1 + math.copysign(DISTANCE, decides.distance))
+    same = [part for part in parts if close(part.interval[0], estimate) and (part.distance == decides.distance or part.distance <= most)]
     if not same:
         return f"decides: {decides.says}, {decides.interval}"
     if not any(within(low, part.margin[0], 0.025) and within(high, part.margin[1], 0.975) for part in same):
