@@ -59,12 +59,13 @@ def in_terminal(command, folder, columns):
     """What a command prints on a terminal of so many columns."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
-    subprocess.run(command, cwd=folder, stdout=theirs, check=True)
-    os.close(theirs)
-    shown = b""
-    while piece := read_some(ours):
-        shown += piece
-    os.close(ours)
+    with subprocess.Popen(command, cwd=folder, stdout=theirs) as running:
+        os.close(theirs)
+        shown = b""
+        while piece := read_some(ours):  # a terminal holds a few thousand bytes, then its writer waits
+            shown += piece
+        os.close(ours)
+    assert running.returncode == 0
     return shown.decode().replace("\r\n", "\n")
 
 

@@ -1,5 +1,6 @@
 """Where output goes: through links and into what is open, and what happens where nobody takes it."""
 
+import json
 import os
 import subprocess
 
@@ -205,7 +206,7 @@ RECORDINGS = ROOT / "tests/reference/traj"
 def test_what_people_read_fits_80_columns(gust, tmp_path):
     (tmp_path / "small.toml").write_text(STUDY + SWEEP + WIDE)
     gust("run", "small.toml")
-    commands = [line.split()[0] for line in gust("list", "commands").stdout.splitlines()]
+    commands = [command["name"] for command in json.loads(gust("list", "commands", "--json").stdout)]
     told = [("list",), ("--help",), ("--help-all",), ("version",), ("plan", "small.toml"), ("preview", "small.toml"),
             ("run", "small.toml"), ("show", "small.gust"), ("compare", "lqr", "cautious", "small.gust"),
             ("eval", "lqr", "--plant", "quadrotor"), ("store", "pack", "small.gust", "out.pack"),
