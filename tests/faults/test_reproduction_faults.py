@@ -33,7 +33,7 @@ def untouched(tmp_path_factory):
     """A reproduction that nothing happened to."""
     folder = tmp_path_factory.mktemp("untouched") / "out"
     assert start(folder, threads=1).wait(timeout=600) == 0
-    assert len(tables(folder)) == 5  # the claims, and the table under four readings
+    assert len(tables(folder)) == 6  # the claims, their scores, and the table under four readings
     return folder
 
 
