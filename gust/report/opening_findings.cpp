@@ -28,23 +28,24 @@ std::vector<const PaperVerdict*> deciding(const PaperResults& results) {
   return all;
 }
 
-/// How much was trained and tested. Trials that several readings share count once.
+/// How much was trained, and under how many readings it was tested. Trainings that several readings share count once.
 std::string run_sentence(const PaperResults& results) {
-  std::set<std::string> trainings, tests, agents;
+  std::set<std::string> trainings, agents;
   for (const ReproductionStudy& part : results.reproduction.studies) {
     for (const Trial& trial : expand(part.study, {}).trials) {
-      if (trial.kind == Trial::Kind::kTrain) {
-        trainings.insert(trial.id);
-        agents.insert(part.study.policies[trial.policy].agent.kind);
-      } else if (trial.kind == Trial::Kind::kEvaluate) {
-        tests.insert(trial.id);
-      }
+      if (trial.kind != Trial::Kind::kTrain) continue;
+      trainings.insert(trial.id);
+      agents.insert(part.study.policies[trial.policy].agent.kind);
     }
   }
-  if (tests.empty()) return "";
+  std::set<std::size_t> readings;
+  for (const PaperVerdict& verdict : results.verdicts) {
+    if (!results.reproduction.paper->readings[verdict.reading].printed) readings.insert(verdict.reading);
+  }
+  if (trainings.empty()) return "";
   return cat(counted(trainings.size(), "training", "trainings"), " of ", counted(agents.size(), "agent", "agents"),
-             " and the regulators were tested in ", counted(tests.size(), "sweep", "sweeps"),
-             " of levels of disturbances.");
+             ", and the regulators, were tested under ", counted(readings.size(), "reading", "readings"),
+             " of the paper.");
 }
 
 /// "true in 90 % of resamples of the trainings".
@@ -146,9 +147,10 @@ std::string chance_text(const PaperResults& results) {
   }
   if (others == 0) return "";
   return fmt::format(
-      " Chance alone would show or refute about {:.0f} of the {} that were not named before the run ({} are), and "
+      " At the 5 % that intervals are made for, chance alone would show or refute about {:.0f} of the {} that were not "
+      "named before the run ({} are), and "
       "{:.0f} "
-      "of their {} verdicts under all readings ({} are).",
+      "of their {} verdicts under all readings ({} are); with few seeds it is more.",
       kChance * static_cast<double>(others), others, decided, kChance * static_cast<double>(all), all, all_decided);
 }
 
@@ -187,7 +189,7 @@ std::string one_training_sentence(const PaperResults& results) {
   return cat(
       "With one training of each policy, ", either_way, " of ", asked,
       " claims would hang on the draw: true in 10 to 90 % of draws. For a claim that puts one policy before another "
-      "that share is the probability of improvement.");
+      "that share is the probability of improvement, ties apart.");
 }
 
 /// "C1 to C37 and C73", of claims in the paper's order.

@@ -262,6 +262,15 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
   CHECK(draws("score('p') - score('longer')").size() == 2);  // nor otherwise where the other goes on from it
   CHECK(draws("score('p') - score('other')").size() == 4);   // others are drawn by themselves
   CHECK(draws("score('lqr')").size() > 2);                   // what has no seeds has episodes
+
+  const std::set<double> p = draws("score('p')"), other = draws("score('other')");
+  double pairs = 0;  // the probability of improvement of p over other, pair by pair
+  for (const double a : p)
+    for (const double b : other) pairs += a > b ? 1.0 / static_cast<double>(p.size() * other.size()) : 0.0;
+  const FormulaValue difference = Formula("score('p') - score('other')", {"test"}).evaluate(study.names, ones);
+  const std::vector<double>& values = difference.as_number("a test").values;
+  const auto ahead = std::count_if(values.begin() + 1, values.end(), [](double value) { return value > 0; });
+  CHECK(std::abs(static_cast<double>(ahead) / static_cast<double>(values.size() - 1) - pairs) < 0.05);
 }
 
 TEST_CASE("trainings may count by their median; episodes never do") {

@@ -57,35 +57,7 @@ TEST_CASE("more seeds than the studies have are no miniature") {
   CHECK(open_reproduction(paper, {.only = {"learning-curves"}, .seeds = 9}).fewer_seeds);
 }
 
-TEST_CASE("a reading speaks of claims that there are") {
-  constexpr std::string_view kManifest = R"(
-schema = 1
-name = "p"
-title = "P"
-source = "S"
-[[profile]]
-name = "paper"
-[[reading]]
-name = "main"
-says = "As it is."
-[[reading]]
-name = "other"
-says = "Otherwise."
-claims = ["C2"]
-[[figure]]
-study = "white"
-place = "Figure 3"
-title = "White noise"
-says = "Noise."
-)";
-  constexpr std::string_view kClaims = "[[claim]]\nid = \"C1\"\nfigure = \"white\"\ntext = \"so\"\nholds = \"1 > 0\"\n";
-  constexpr std::string_view kTables = "table,row,column,mean,std,highlighted\n";
-
-  CHECK_THROWS_WITH_AS(parse_paper({kManifest, kClaims, kTables}),
-                       doctest::Contains("the reading 'other' speaks of C2, which is no claim"), Error);
-}
-
-TEST_CASE("a figure is drawn, and a reading is like one, of those that there are") {
+TEST_CASE("a reading speaks of claims, figures and readings that there are") {
   constexpr std::string_view kHead = R"(
 schema = 1
 name = "p"
@@ -104,15 +76,22 @@ says = "Otherwise."
       "[[figure]]\nstudy = \"white\"\nplace = \"Figure 3\"\ntitle = \"W\"\nsays = \"N.\"\n";
   constexpr std::string_view kClaims = "[[claim]]\nid = \"C1\"\nfigure = \"white\"\ntext = \"so\"\nholds = \"1 > 0\"\n";
   constexpr std::string_view kTables = "table,row,column,mean,std,highlighted\n";
-  const auto parse = [&](std::string_view reading, std::string_view figure) {
-    parse_paper({cat(kHead, reading, kFigure, figure), kClaims, kTables});
+  const auto problem = [&](std::string_view reading, std::string_view figure = "") -> std::string {
+    try {
+      parse_paper({cat(kHead, reading, kFigure, figure), kClaims, kTables});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
   };
+  const auto told = [](const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; };
 
-  CHECK_NOTHROW(parse("like = \"main\"\n", "reading = \"other\"\n"));
-  CHECK_THROWS_WITH_AS(parse("like = \"mian\"\n", ""),
-                       doctest::Contains("unknown reading 'mian'; did you mean 'main'?"), Error);
-  CHECK_THROWS_WITH_AS(parse("", "reading = \"mein\"\n"), doctest::Contains("unknown reading 'mein'"), Error);
-  CHECK_THROWS_WITH_AS(parse("files = { step = \"x\" }\n", ""), doctest::Contains("unknown study 'step'"), Error);
+  CHECK(problem("like = \"main\"\n", "reading = \"other\"\n").empty());
+  CHECK(told(problem("claims = [\"C2\"]\n"), "the reading 'other' speaks of C2, which is no claim"));
+  CHECK(told(problem("like = \"mian\"\n"), "unknown reading 'mian'; did you mean 'main'?"));
+  CHECK(told(problem("like = \"other\"\n"), "unknown reading 'other'"));  // it comes before
+  CHECK(told(problem("", "reading = \"mein\"\n"), "unknown reading 'mein'"));
+  CHECK(told(problem("files = { step = \"x\" }\n"), "unknown study 'step'"));
 }
 
 TEST_CASE("the claims of the tables hold or fail in the paper's own numbers as its authors say") {

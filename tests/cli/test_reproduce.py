@@ -5,7 +5,6 @@ import csv
 import json
 import re
 import shutil
-import statistics
 
 import pytest
 from conftest import PROGRAM, in_terminal
@@ -37,6 +36,15 @@ def test_answer_names_the_claims_and_says_that_it_is_a_miniature(small):
         assert f"\n{claim}  open (1) " in done.stdout
     assert "Of 4 claims 4 are open; of their 19 parts " in " ".join(done.stdout.split())
     assert done.stdout.endswith("Page: paper-quick.gust/report.html\n")
+
+
+def test_the_answer_counts_the_trainings_that_there_are(small):
+    folder, done = small
+    trainings = len(list((folder / "paper-quick.gust/store/train").iterdir()))
+    with open(folder / "paper-quick.gust/claims.csv", newline="") as file:
+        readings = {row["reading"] for row in csv.DictReader(file)} - {"as printed"}
+    assert f"\n{trainings} trainings of 1 agent, and the regulators, were tested under {len(readings)} readings of the paper. " \
+        in done.stdout.replace("\n", " ").replace("  ", "\n")
 
 
 def test_verdicts_have_numbers_under_each_reading_that_bears_on_them(small):
@@ -73,7 +81,6 @@ def test_scores_of_every_training_that_a_claim_asks_for_are_kept(small):
         rows = list(csv.DictReader(file))
     names = "policy", "sweep", "start", "metric"
     cells = {tuple(row[name] for name in names): row["value"] for row in rows if row["over"] not in ("training", "deviation")}
-    spread = {tuple(row[name] for name in names): row["value"] for row in rows if row["over"] == "deviation"}
     compared = 0
     for curve in curves:
         if curve["study"] != "scg-2022/table-dr" or curve["cells"] != "1":
@@ -82,8 +89,6 @@ def test_scores_of_every_training_that_a_claim_asks_for_are_kept(small):
         units = scores[int(curve["first"]):int(curve["first"]) + int(curve["units"])]
         assert sum(units) / len(units) == pytest.approx(float(cells[key]), rel=1e-5)
         compared += 1
-        if curve["policy"] == "lqr" and key in spread:  # its units are the episodes
-            assert statistics.stdev(units) == pytest.approx(float(spread[key]), rel=1e-4)
     assert compared > 10
 
 
