@@ -103,6 +103,17 @@ TEST_CASE("every claim stands once on the page, in its figure or at the end, and
   CHECK(html.find("id=\"claim-C3\"") > html.find("id=\"figure-two\""));
 }
 
+TEST_CASE("a verdict's number and seeds stand once, the rest of its reason below") {
+  ReproductionPage page = small_page();
+  page.claims[0].verdicts[0].reason = "0.75 [0.5, 1] (10 seeds); true in some resamples";
+  page.claims[1].verdicts[0].reason = "0.75 [0.5, 1] (2 seeds; five are needed)";  // it says more than the line above
+
+  const std::string html = render_reproduction(page);
+
+  CHECK(holds(html, "<p class=\"reason\">true in some resamples</p>"));
+  CHECK(holds(html, "<p class=\"reason\">0.75 [0.5, 1] (2 seeds; five are needed)</p>"));
+}
+
 TEST_CASE("readings are told from most to least of the parts that are true under them") {
   ReproductionPage page = small_page();
   for (auto& verdict : page.claims[0].verdicts) verdict.parts = 4;

@@ -177,21 +177,22 @@ std::string measured_html(const ReproductionPage::Verdict& verdict) {
              interval_text(verdict.measured, scale), "</span>");
 }
 
-/// The reason without the number that stands beside it already.
+std::string seeds_text(const ReproductionPage::Verdict& verdict) {
+  return verdict.seeds == 0 ? "" : counted(verdict.seeds, "seed", "seeds");
+}
+
+/// The reason without the number and the seeds that stand beside it already.
 std::string reason_beyond_number(const ReproductionPage::Verdict& verdict) {
   const std::string number =
       interval_text(Interval{verdict.measured.value, verdict.measured.low, verdict.measured.high});
   std::vector<std::string> parts = split_text(verdict.reason, ';');
   for (std::string& part : parts) part.erase(0, std::min(part.find_first_not_of(' '), part.size()));
   std::erase(parts, number);
+  std::erase(parts, cat(number, " (", seeds_text(verdict), ")"));
   return join(parts, "; ");
 }
 
 bool has_parts(const ReproductionPage::Verdict& verdict) { return verdict.parts + verdict.left_out_parts > 1; }
-
-std::string seeds_text(const ReproductionPage::Verdict& verdict) {
-  return verdict.seeds == 0 ? "" : counted(verdict.seeds, "seed", "seeds");
-}
 
 std::string pill(Grade grade) {
   return cat("<span class=\"verdict ", style_of(grade), "\">", mark(grade), " ", grade_name(grade), "</span>");
