@@ -1,8 +1,10 @@
 #include "gust/nn/product.h"
 
 #include <libxsmm.h>
+#include <sys/mman.h>
 
 #include <cstddef>
+#include <mutex>
 
 #include "gust/nn/vec.h"
 
@@ -14,8 +16,35 @@ namespace {
 /// up to 256; product_test.cpp compares the bits).
 bool adds_in_order(int m) { return m % 64 == 0 || m % 64 > 16; }
 
+constexpr std::size_t kCompilerBytes = std::size_t{32} << 20;  // more than its tables and buffers take
+constexpr std::size_t kKernelBytes = std::size_t{1} << 20;     // more than the code of a product takes
+
+/// Whether so much memory is there and may be executed. libxsmm does not ask: without it, it returns a kernel that
+/// cannot run.
+bool can_execute(std::size_t bytes) {
+  const int flags = MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+  void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE | PROT_EXEC, flags, -1, 0);
+  if (memory == MAP_FAILED) return false;
+  const bool executable = ::mprotect(memory, bytes, PROT_READ | PROT_EXEC) == 0;
+  ::munmap(memory, bytes);
+  return executable;
+}
+
+/// Starts libxsmm, for this processor whatever LIBXSMM_TARGET says: kernels below AVX2 multiply and add with two
+/// roundings, to other bits.
+bool start_compiler() {
+  if (!can_execute(kCompilerBytes)) return false;
+  libxsmm_init();
+  const int processor = libxsmm_cpuid();
+  libxsmm_set_target_archid(processor);
+  return processor >= LIBXSMM_X86_AVX2 && libxsmm_get_target_archid() == processor;
+}
+
 void (*compile(const ProductShape& shape))(const float*, const float*, float*, ...) {
-  if (!adds_in_order(shape.m)) return nullptr;
+  if (!adds_in_order(shape.m) || !products_are_compiled()) return nullptr;
+  static std::mutex one_at_a_time;  // so that no other kernel takes the memory that was found
+  const std::lock_guard lock(one_at_a_time);
+  if (!can_execute(kKernelBytes)) return nullptr;
   const int ldb = shape.b_transposed ? shape.n : shape.k;
   const float alpha = 1.0f;
   const float beta = shape.accumulate ? 1.0f : 0.0f;
@@ -48,6 +77,11 @@ void strip(const ProductShape& s, const T* a, const T* b, T* c) {
 }
 
 }  // namespace
+
+bool products_are_compiled() {
+  static const bool started = start_compiler();
+  return started;
+}
 
 template <class T>
 Product<T>::Product(ProductShape shape) : shape_(shape) {

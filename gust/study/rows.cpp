@@ -117,6 +117,14 @@ RowsHeader read_header(std::istream& stream, std::string_view name) {
   return header;
 }
 
+/// The head of the next block, after so many cells.
+BlockHead read_head(std::istream& stream, const RowsHeader& header, std::uint64_t read, std::string_view name) {
+  const auto head = read_value<BlockHead>(stream, name);
+  const std::uint64_t cells = std::min<std::uint64_t>(cells_per_block(header), header.cells - read);
+  if (head.cells != cells) throw Error(cat(name, ": damaged rows: a block has ", head.cells, " cells, not ", cells));
+  return head;
+}
+
 }  // namespace
 
 std::optional<std::size_t> RowsHeader::column(std::string_view metric) const {
@@ -188,10 +196,8 @@ std::span<const double> RowsReader::next() {
 }
 
 void RowsReader::read_block() {
-  const auto head = read_value<BlockHead>(stream_, name_);
-  const std::uint64_t cells = std::min<std::uint64_t>(cells_per_block(header_), header_.cells - read_);
-  if (head.cells != cells) throw Error(cat(name_, ": damaged rows: a block has ", head.cells, " cells, not ", cells));
-  const std::size_t numbers = static_cast<std::size_t>(cells) * header_.cell_size();
+  const BlockHead head = read_head(stream_, header_, read_, name_);
+  const std::size_t numbers = std::size_t{head.cells} * header_.cell_size();
   if (head.size > ZSTD_compressBound(numbers * sizeof(double))) {
     throw Error(cat(name_, ": damaged rows: a block is too long"));
   }
@@ -204,10 +210,25 @@ void RowsReader::read_block() {
   block_.resize(numbers);
   unshuffle(raw, header_.metrics.size(), block_);
   position_ = 0;
-  read_ += cells;
+  read_ += head.cells;
   if (read_ == header_.cells && stream_.peek() != std::istream::traits_type::eof()) {
     throw Error(cat(name_, ": damaged rows: something follows the last cell"));
   }
+}
+
+RowsHeader skim_rows(std::istream& stream, std::string_view name) {
+  stream.seekg(0, std::ios::end);
+  const std::streamoff end = stream.tellg();
+  stream.seekg(0);
+  RowsHeader header = read_header(stream, name);
+  for (std::uint64_t read = 0; read < header.cells;) {
+    const BlockHead head = read_head(stream, header, read, name);
+    if (head.size > end - stream.tellg()) throw Error(cat(name, ": damaged rows: cut short"));
+    stream.seekg(head.size, std::ios::cur);
+    read += head.cells;
+  }
+  if (stream.tellg() != end) throw Error(cat(name, ": damaged rows: something follows the last cell"));
+  return header;
 }
 
 }  // namespace gust
