@@ -48,6 +48,7 @@ class MarginSearch {
       : study_(study), sweep_(trial.sweep), measured_(measured_metrics(study)), scores_(study, trial.sweep) {
     std::vector<std::string> missing;
     scores_.take_undisturbed(MemberRows(plan, inputs_of(plan, trial, true), store, missing));
+    if (!missing.empty()) throw Error(cat("not in the store: ", missing.front()));
     const TrialGroup swept = inputs_of(plan, trial, false);
     if (scores_.hopeless()) return;
     MemberRows rows(plan, swept, store, missing);

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "gust/core/error.h"
+#include "gust/study/files_posix.h"
 
 namespace gust {
 namespace {
@@ -86,6 +88,7 @@ void unshuffle(std::string_view bytes, std::size_t metrics, std::span<double> bl
 /// Reads exactly this many bytes.
 void read_exactly(std::istream& stream, std::span<char> bytes, std::string_view name) {
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (stream.bad()) throw FileError(cat(name, ": cannot read: the disk or the machine failed"), EIO);
   if (static_cast<std::size_t>(stream.gcount()) != bytes.size()) throw Error(cat(name, ": damaged rows: cut short"));
 }
 

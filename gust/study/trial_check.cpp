@@ -6,6 +6,7 @@
 
 #include "gust/core/text.h"
 #include "gust/nn/onnx.h"
+#include "gust/study/files_posix.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/rows.h"
 #include "gust/study/trials.h"
@@ -76,6 +77,9 @@ std::string damage(const StoredTrial& stored, const Plan* plan, std::uint64_t ce
   return "";
 } catch (const std::bad_alloc&) {
   throw;
+} catch (const FileError& error) {
+  if (!error.is_about_file()) throw;  // the machine could not look; the trial may be right
+  return error.what();
 } catch (const std::exception& error) {
   return error.what();
 }

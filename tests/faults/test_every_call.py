@@ -148,7 +148,7 @@ def test_an_end_at_every_call_loses_nothing_that_the_next_run_does_not_make_agai
 
 def test_memory_that_runs_out_ends_right_or_with_a_sentence(tmp_path, shim, calm):
     expected, counts = calm
-    places, at = [], 1
+    places, at = [], 2  # the first is a library's, before main
     while at <= counts["new"]:
         places.append(at)
         at += 1 + at // EVERY_NEW
