@@ -20,10 +20,11 @@ struct TrainingTask {
   std::span<const Injection> injections;           ///< on during training, each at its own level
   std::int64_t seed = 0;                           ///< of every random stream of the training
   std::span<const ParameterDraw> randomised = {};  ///< parameters that every episode of the training draws anew
+  bool curve_as_trained = false;                   ///< the learning curve's episodes are drawn and disturbed, too
 };
 
-/// Ten deterministic episodes from the starts of the training, without any disturbance, with nominal parameters
-/// (algorithms 0.7).
+/// Ten deterministic episodes from the starts of the training, without any disturbance, with nominal parameters, unless
+/// the task says otherwise (algorithms 0.7).
 struct CurvePoint {
   std::int64_t steps = 0;  ///< environment steps of the training so far
   double return_mean = 0;  ///< of the return sum, the episode ending at failure

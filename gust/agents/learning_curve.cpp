@@ -16,11 +16,19 @@ CurvePoint measure_actor(const TrainingTask& task, const ActorNetwork& actor, Rn
   const PlantSpec& spec = task.plant->spec();
   ActorRunner runner(actor, kEpisodes);
   Buffer<float> observation(kEpisodes * spec.observations());
-  ClosedLoop loop(*task.plant, task.readings, {}, kEpisodes);
+  const std::span<const Injection> injections = task.curve_as_trained ? task.injections : std::span<const Injection>();
+  const auto randomised = task.curve_as_trained ? task.randomised : std::span<const ParameterDraw>();
+  std::vector<double> levels;
+  for (const Injection& injection : injections) levels.push_back(injection.level);
+  ClosedLoop loop(*task.plant, task.readings, injections, kEpisodes);
   EpisodeMeter meter(spec, kEpisodes);
   Matrix<double> action(spec.action.size(), kEpisodes);
   for (std::size_t lane = 0; lane < kEpisodes; ++lane) {
-    loop.begin(lane, {.state = random_start(spec, rng.split(lane)), .parameters = nominal_parameters(spec)});
+    const Rng episode = rng.split(lane);
+    loop.begin(lane, {.state = random_start(spec, episode),
+                      .parameters = draw_parameters(randomised, spec, episode),
+                      .levels = levels,
+                      .signals = SignalSequence(injections, spec, levels, episode).at(0)});
   }
   for (std::int64_t k = 0; k < spec.steps; ++k) {
     to_lanes(loop.observation(), observation);

@@ -8,8 +8,8 @@ namespace gust {
 
 inline constexpr std::int64_t kStepsBetweenPoints = 20'000;
 
-/// Measures a deterministic actor in ten episodes that start in the training distribution, without disturbances.
-/// Equal streams give equal episodes.
+/// Measures a deterministic actor in ten episodes that start in the training distribution, without disturbances unless
+/// the task's curve has them. Equal streams give equal episodes.
 CurvePoint measure_actor(const TrainingTask& task, const ActorNetwork& actor, Rng rng);
 
 /// A learning curve in the making: a point at the start, at the first step at or after every multiple of

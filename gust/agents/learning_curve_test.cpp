@@ -6,10 +6,11 @@ using namespace gust;
 
 namespace {
 
-Made<Plant> cartpole(double start_range) {
+Made<Plant> cartpole(double start_range, double pole_length = 0.5) {
   const auto number = [](double value) { return Value{value, {}}; };
   return plants().make({{{"kind", Value{std::string("cartpole"), {}}},
                          {"steps", Value{std::int64_t{50}, {}}},
+                         {"pole_length", Value{pole_length, {}}},
                          {"start_range", Value{Value::List{number(start_range), number(0), number(0), number(0)}, {}}}},
                         {}});
 }
@@ -49,6 +50,29 @@ TEST_CASE("an actor that stays at the goal earns a reward of one a step") {
   CHECK(point.anr_h == doctest::Approx(1.0).epsilon(1e-14));
   CHECK(point.rmse_scg == 0.0);
   CHECK(point.return_std < 1e-5);  // the root of what cancels
+}
+
+TEST_CASE("a curve on the task of the training meets its draws and its disturbances, another one does not") {
+  const auto plant = cartpole(0.1);
+  const auto text = [](const char* word) { return Value{std::string(word), {}}; };
+  const Table push{{{"site", text("dynamics")}, {"waveform", text("step")}, {"level", Value{5.0, {}}}}, {"test"}};
+  std::vector<Injection> injections;
+  injections.push_back(read_injection(push, plant->spec()));
+  const TrainingTask nominal{plant.object.get(), {}, injections, 1};
+  TrainingTask trained = nominal;
+  trained.curve_as_trained = true;
+  const double still = measure_actor(nominal, idle(), Rng(3)).anr_h;
+
+  CHECK(still == measure_actor(TrainingTask{plant.object.get(), {}, {}, 1}, idle(), Rng(3)).anr_h);
+  CHECK(measure_actor(trained, idle(), Rng(3)).anr_h < still - 0.1);
+
+  const Value one{Table{{{"low", Value{4.0, {}}}, {"high", Value{4.0, {}}}}, {"test"}}, {"test"}};
+  const Randomisation drawn = read_randomisation({{{"pole_length", one}}, {"test"}}, plant->spec());
+  trained.injections = {};
+  trained.randomised = drawn.draws;
+  const auto longer = cartpole(0.1, 4.0);
+  CHECK(measure_actor(trained, idle(), Rng(3)).anr_h ==
+        measure_actor(TrainingTask{longer.object.get(), {}, {}, 1}, idle(), Rng(3)).anr_h);
 }
 
 TEST_CASE("equal streams give equal points and others do not") {

@@ -12,6 +12,8 @@ struct OffPolicyOptions {
   std::int64_t hidden = 256;
   std::int64_t layers = 2;
   std::string activation = "relu";
+  std::string actor_trunk = "relu";
+  std::string density = "box";
   double discount = 0.99;
   std::int64_t batch = 64;
   std::int64_t buffer = 1'000'000;
@@ -62,10 +64,20 @@ struct OffPolicyOptions {
             "upstream: actor, temperature, critics with the new actor (safe-control-gym); original: critics, "
             "temperature, actor",
             one_of("upstream|original")),
+      later(
+          field("actor_trunk", &OffPolicyOptions::actor_trunk,
+                "scg: no activation after the actor's last hidden layer, as in safe-control-gym; relu: one after each",
+                one_of("relu|scg"))),
+      later(field("density", &OffPolicyOptions::density,
+                  "whose entropy the temperature weighs: of actions in the box, or of their tanh alone, as in "
+                  "safe-control-gym; the same where actions are -1 to 1",
+                  one_of("box|tanh"))),
   };
 
   void check(const Place& place) const {
     if (batch > buffer) throw error_at(place, "'batch' must be at most 'buffer' = ", buffer, ", got ", batch);
+    if (actor_trunk == "scg" && layers < 2)
+      throw error_at(place, "'actor_trunk' scg needs at least 2 'layers': an actor without an activation is linear");
     if (burst > buffer) throw error_at(place, "'burst' must be at most 'buffer' = ", buffer, ", got ", burst);
   }
 

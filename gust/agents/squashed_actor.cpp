@@ -14,6 +14,12 @@ Activation activation_of(const std::string& name) {
   return name == "tanh" ? Activation::kTanh : name == "relu" ? Activation::kRelu : Activation::kLeakyRelu;
 }
 
+MlpShape actor_shape(const OffPolicyOptions& options, std::size_t inputs, std::size_t actions) {
+  MlpShape shape = off_policy_shape(options, inputs, 2 * actions);
+  shape.linear_top = options.actor_trunk == "scg";
+  return shape;
+}
+
 }  // namespace
 
 ActionBox action_box(const PlantSpec& spec) {
@@ -40,8 +46,9 @@ MlpShape off_policy_shape(const OffPolicyOptions& options, std::size_t inputs, s
 SquashedActor::SquashedActor(const OffPolicyOptions& options, std::size_t inputs, ActionBox box, Rng rng)
     : adam_{.rate = options.actor_rate, .epsilon = options.adam_epsilon},
       box_(std::move(box)),
+      density_of_tanh_(options.density == "tanh"),
       rng_(rng),
-      network_(off_policy_shape(options, inputs, 2 * box_.centre.size()), static_cast<std::size_t>(options.batch), {},
+      network_(actor_shape(options, inputs, box_.centre.size()), static_cast<std::size_t>(options.batch), {},
                TrainedMlp<float>::Follower::kNo),
       stepping_(network_.mlp().shape(), static_cast<std::size_t>(options.environments)) {
   const auto lanes = static_cast<std::size_t>(options.batch);
@@ -82,7 +89,8 @@ SquashedGaussian<float> SquashedActor::policy(const Tiles<float>& heads, std::si
   return {.mean = heads.features(tile, 0, actions()),
           .log_std = heads.features(tile, actions(), actions()),
           .centre = box_.centre,
-          .half_width = box_.half_width};
+          .half_width = box_.half_width,
+          .of_tanh = density_of_tanh_};
 }
 
 void SquashedActor::propose(const Tiles<float>& input, Rng rng, std::size_t at, Tiles<float>& into) {
@@ -116,15 +124,15 @@ ActorNetwork SquashedActor::network() const {
   const Mlp<float>& all = network_.mlp();
   MlpShape shape = all.shape();
   shape.sizes.back() = actions();
-  ActorNetwork result{.mlp = Mlp<float>(shape), .box = box_};
+  Mlp<float> means(shape);
   for (std::size_t layer = 0; layer < shape.layers(); ++layer) {
     for (std::size_t output = 0; output < shape.sizes[layer + 1]; ++output) {
-      result.mlp.bias(layer, output) = all.bias(layer, output);
+      means.bias(layer, output) = all.bias(layer, output);
       for (std::size_t input = 0; input < shape.sizes[layer]; ++input)
-        result.mlp.weight(layer, output, input) = all.weight(layer, output, input);
+        means.weight(layer, output, input) = all.weight(layer, output, input);
     }
   }
-  return result;
+  return {.mlp = without_linear_top(means), .box = box_};
 }
 
 }  // namespace gust

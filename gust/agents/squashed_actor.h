@@ -44,7 +44,7 @@ class SquashedActor {
   /// last.
   void improve(const Tiles<float>& value_at_action, double temperature);
 
-  /// The deterministic actor: centre + half_width tanh(mean).
+  /// The deterministic actor: centre + half_width tanh(mean). A layer that is linear is joined with the one above it.
   ActorNetwork network() const;
 
   template <class Archive, class Self>
@@ -57,6 +57,7 @@ class SquashedActor {
 
   AdamOptions adam_;
   ActionBox box_;
+  bool density_of_tanh_;
   Rng rng_;
   TrainedMlp<float> network_;
   MlpWorkspace<float> stepping_;

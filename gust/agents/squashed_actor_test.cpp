@@ -62,7 +62,10 @@ TEST_CASE("actions are drawn within the box, from streams of their own for every
 }
 
 TEST_CASE("the deterministic actor is the middle of what is drawn, before it is squashed") {
-  SquashedActor actor(small(), 3, kBox, Rng(2));
+  OffPolicyOptions options = small();
+  SUBCASE("every hidden layer activated") {}
+  SUBCASE("the last one linear") { options.actor_trunk = "scg"; }
+  SquashedActor actor(options, 3, kBox, Rng(2));
   const std::vector<float> seen = {0.5f, -1.0f, 0.1f};
   std::vector<float> action(2);
   double mean[2] = {};
@@ -71,6 +74,7 @@ TEST_CASE("the deterministic actor is the middle of what is drawn, before it is 
     for (int d = 0; d < 2; ++d) mean[d] += std::atanh((action[d] - kBox.centre[d]) / kBox.half_width[d]) / 40'000;
   }
   ActorRunner runner(actor.network(), 1);
+  CHECK(actor.network().mlp.shape().layers() == (options.actor_trunk == "scg" ? 2 : 3));
 
   const auto middle = runner.act(seen);
 

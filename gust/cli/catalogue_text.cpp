@@ -3,6 +3,7 @@
 
 #include "gust/cli/catalogue.h"
 #include "gust/cli/help_format.h"
+#include "gust/cli/toml_format.h"
 #include "gust/core/text.h"
 
 namespace gust {
@@ -75,8 +76,9 @@ std::string describe_text(const CatalogueKind& kind, const CatalogueItem& item) 
     text += cat("\n", heading, "\n", indented(wrapped(note, text_columns() - 2)), "\n");
   if (!item.fields.empty()) text += "\noptions\n";
   for (const FieldInfo& field : item.fields) text += field_text(field);
-  if (!item.text.empty()) text += cat("\ncontent\n", indented(item.text), "\n");
-  return text + cat("\nexample\n", indented(item.example), "\n");
+  const std::size_t room = text_columns() - 2;
+  if (!item.text.empty()) text += cat("\ncontent\n", indented(wrapped_toml(item.text, room)), "\n");
+  return text + cat("\nexample\n", indented(wrapped_toml(item.example, room)), "\n");
 }
 
 std::string describe_json(const CatalogueKind& kind, const CatalogueItem& item) {

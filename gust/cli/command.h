@@ -39,6 +39,8 @@ CLI::Validator whole_number(const Range& range = anything);
 /// Whether text on this file descriptor may be coloured: a terminal, NO_COLOR unset, and not switched off by --color.
 bool use_color(int file_descriptor);
 
+inline constexpr std::size_t kUsualColumns = 80;  ///< where there is no terminal
+
 /// How many columns the terminal on this file descriptor has; the standard where there is no terminal.
 std::size_t terminal_columns(int file_descriptor, std::size_t standard);
 

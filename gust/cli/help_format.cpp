@@ -14,17 +14,20 @@ namespace {
 
 constexpr std::size_t kNames = 28;  // columns for the names of options and commands
 
+/// Columns of help: --help-all indents that of each command.
+std::size_t help_columns() { return text_columns() - 2; }
+
 /// A text whose lines are wrapped, those of examples as command lines, those of "  name   what it is" below the latter.
 std::string help_text(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) {
     if (!line.starts_with("  "))
-      lines.push_back(wrapped(line, text_columns()));
+      lines.push_back(wrapped(line, help_columns()));
     else if (line.find("  ", 2) != line.npos)
-      lines.push_back(wrapped_item(line, text_columns()));
+      lines.push_back(wrapped_item(line, help_columns()));
     else
-      lines.push_back(wrapped_command(line, text_columns()));
+      lines.push_back(wrapped_command(line, help_columns()));
   }
   return join(lines, "\n");
 }
@@ -34,7 +37,7 @@ std::string help_text(const std::string& text) {
 std::size_t text_columns() {
   constexpr std::size_t kMost = 100;  // longer lines read badly
   constexpr std::size_t kLeast = 40;
-  return std::clamp(terminal_columns(STDOUT_FILENO, kMost), kLeast, kMost);
+  return std::clamp(terminal_columns(STDOUT_FILENO, kUsualColumns), kLeast, kMost);
 }
 
 std::string wrapped_command(std::string_view line, std::size_t width) {
@@ -86,11 +89,11 @@ std::string HelpFormat::make_subcommand(const CLI::App* command) const {
   std::string first = command->get_description();
   first.resize(std::min(first.find('\n'), first.size()));
   if (first.ends_with('.')) first.pop_back();
-  return fmt::format("  {:<{}}{}\n", command->get_name(), kNames - 2, wrapped(first, text_columns() - kNames, kNames));
+  return fmt::format("  {:<{}}{}\n", command->get_name(), kNames - 2, wrapped(first, help_columns() - kNames, kNames));
 }
 
 std::string HelpFormat::make_option_desc(const CLI::Option* option) const {
-  return wrapped(option->get_description(), text_columns() - kNames);  // CLI11 indents each line
+  return wrapped(option->get_description(), help_columns() - kNames);  // CLI11 indents each line
 }
 
 }  // namespace gust

@@ -6,7 +6,7 @@
 
 namespace gust {
 
-/// How many columns texts on stdout may take: those of the terminal, at most 100 and at least 40.
+/// How many columns texts on stdout may take: those of the terminal, at most 100 and at least 40; 80 of a file.
 std::size_t text_columns();
 
 /// An example of a command line, broken before options with the shell's "\\" where it is wider than `width` columns.

@@ -173,7 +173,7 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
 
 std::string summary_text(const Study& study, const Summary& summary) {
   std::string text;
-  const std::size_t columns = terminal_columns(STDOUT_FILENO, 100);
+  const std::size_t columns = terminal_columns(STDOUT_FILENO, kUsualColumns);
   const std::string metric = study.metric_set.name(summary.margin_metric);
   for (const std::size_t start : starts_to_tell(study)) {
     const std::string table = margins_table(study, summary, start, columns);

@@ -30,6 +30,7 @@ std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
 struct Settings {
   Table agent, readings, plant;
   std::optional<Value> randomise;
+  bool curve_as_trained = false;
 };
 
 Settings read_settings(const TrainRequest& request) {
@@ -37,12 +38,15 @@ Settings read_settings(const TrainRequest& request) {
   std::vector<std::string> of_agent = names_of(agents().at(request.agent, {"AGENT"}).fields);
   of_agent.push_back("profile");
   of_agent.push_back("randomise");
+  of_agent.push_back("curve");
   const SettingGroup groups[] = {{&settings.agent, of_agent},
                                  {&settings.readings, field_names<Readings>()},
                                  {&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)}};
   sort_settings(request.settings, groups, cat(" (gust describe agent ", request.agent, ")"));
   if (const Value* randomise = settings.agent.find("randomise")) settings.randomise = *randomise;
   settings.agent.erase("randomise");
+  if (const Value* curve = settings.agent.find("curve")) settings.curve_as_trained = parse_curve(*curve);
+  settings.agent.erase("curve");
   settings.agent.place = {"--set"};
   settings.agent.set("kind", {request.agent, {"gust"}});
   if (request.steps) settings.agent.set("steps", {*request.steps, {"--steps"}});
@@ -68,10 +72,12 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   const std::string drawn = randomised_.canonical(setup_.plant->spec());
   identity_ =
       hash_hex(cat("gust ", kVersion, "\n", agent_.canonical, "\n", setup_.preset, "\n", setup_.plant.canonical, "\n",
-                   canonical_fields(setup_.readings), "\nseed ", seed_, drawn.empty() ? "" : "\nrandomise ", drawn));
+                   canonical_fields(setup_.readings), "\nseed ", seed_, drawn.empty() ? "" : "\nrandomise ", drawn,
+                   settings.curve_as_trained ? "\ncurve training" : ""));
   remove_left_aside(checkpoint_);
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
-  training_ = agent_->start({setup_.plant.object.get(), setup_.readings, {}, seed_, randomised_.draws});
+  training_ = agent_->start(
+      {setup_.plant.object.get(), setup_.readings, {}, seed_, randomised_.draws, settings.curve_as_trained});
   resume();
 }
 

@@ -81,12 +81,13 @@ enum class Missing { kError, kSkipped, kZero };
 /// The columns to read, and the batches that they are to become.
 class Columns {
  public:
-  explicit Columns(const Recording& recording) : recording_(recording) {}
+  explicit Columns(Recording& recording) : recording_(recording) {}
 
   /// One row a name. Where they may be skipped the first one decides, and the batch stays empty; where they may be 0
   /// each for itself.
   void take(const std::vector<std::string>& names, Matrix<double>* to, CsvColumn like, Missing missing) {
-    if (names.empty() || (missing == Missing::kSkipped && !recording_.has(names.front()))) return;
+    if (names.empty()) return;
+    if (missing == Missing::kSkipped && !recording_.has(names.front())) return drop(names);
     groups_.push_back({to, {}});
     for (const std::string& name : names) {
       const bool there = missing != Missing::kZero || recording_.has(name);
@@ -109,11 +110,18 @@ class Columns {
   std::vector<CsvColumn> wanted;
 
  private:
+  void drop(const std::vector<std::string>& names) {
+    std::vector<std::string> there;
+    std::ranges::copy_if(names, std::back_inserter(there),
+                         [&](const std::string& name) { return recording_.has(name); });
+    if (!there.empty()) recording_.dropped.push_back(cat(join(there, ", "), " (no ", names.front(), ")"));
+  }
+
   struct Group {
     Matrix<double>* to;  // null for columns that must be right, and are not used
     std::vector<std::optional<std::size_t>> rows;
   };
-  const Recording& recording_;
+  Recording& recording_;
   std::vector<Group> groups_;
 };
 

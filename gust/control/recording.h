@@ -26,6 +26,7 @@ struct Recording {
   std::vector<double> error_weights;  ///< v of the squared error sum (v e)^2
 
   std::vector<std::string> columns;  ///< of the CSV file
+  std::vector<std::string> dropped;  ///< "obs1, obs2 (no obs0)": columns that are not used, as the first one is missing
   Matrix<double> state;
   Matrix<double>
       observation;           ///< what the controller saw: the state with noise, then references; empty if not recorded

@@ -264,6 +264,9 @@ std::string not_recorded(const Recording& recording, const JudgedParts& parts) {
   if (parts.flags() && !parts.done) names.emplace_back("done");
   if (parts.flags() && !parts.time_limit) names.emplace_back("timelimit");
   if (recording.controller() && !parts.closed_loop) names.emplace_back("closed loop");
+  const PlantSpec& spec = recording.plant->spec();
+  if (spec.observations() > spec.state.size() && recording.observation.rows() == 0) names.emplace_back("reference");
+  names.insert(names.end(), recording.dropped.begin(), recording.dropped.end());
   return join(names, ", ");
 }
 

@@ -253,7 +253,8 @@ TEST_CASE("what a robot does not record is not judged, and said so") {
   CHECK(worst(result.closed_loop) < 1e-14);
   CHECK(not_recorded(recording, result.parts) == "applied, reward, sq_err, flags");
   const Recording blind = without(log, {"obs0"}).read();
-  CHECK(not_recorded(blind, validate(blind, {}).parts) == "applied, reward, sq_err, flags, closed loop");
+  CHECK(not_recorded(blind, validate(blind, {}).parts) ==
+        "applied, reward, sq_err, flags, closed loop, obs1, obs2, obs3 (no obs0)");
   const Recording full = whole.read();
   CHECK(not_recorded(full, validate(full, {}).parts) == "");
   const Recording fewer = without(whole, {"done", "f_z"}).read();
@@ -261,6 +262,20 @@ TEST_CASE("what a robot does not record is not judged, and said so") {
   CHECK(missing_forces(full) == "");
   CHECK(missing_forces(fewer) == "no f_z");
   CHECK(missing_forces(without(whole, {"f_x", "f_z"}).read()) == "no force");
+}
+
+TEST_CASE("columns whose first one is missing are named, whatever group they are of") {
+  const RecordingText whole = recording_text("d_q2_circle_50_1000");
+  const auto said = [&](const char* column) {
+    const Recording recording = without(whole, {column}).read();
+    return not_recorded(recording, validate(recording, {}).parts);
+  };
+
+  CHECK(said("a_raw0").ends_with("a_raw1 (no a_raw0)"));
+  CHECK(said("a_noisy0").starts_with("applied"));
+  CHECK(said("a_noisy0").ends_with("a_noisy1 (no a_noisy0)"));
+  CHECK(said("obs0").find("closed loop, reference, obs1, obs2") != std::string::npos);
+  CHECK(said("obs0").ends_with("obs11 (no obs0)"));
 }
 
 TEST_CASE("each flag is judged where it is recorded") {

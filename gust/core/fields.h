@@ -39,12 +39,21 @@ struct Field {
   std::string_view help;
   Range range;
   std::string_view unit;
+  bool later = false;  ///< came after results had been stored
 };
 
 template <class S, class M>
 constexpr Field<S, M> field(std::string_view name, M S::*member, std::string_view help, Range range = anything,
                             std::string_view unit = "") {
-  return {name, member, help, range, unit};
+  return {name, member, help, range, unit, false};
+}
+
+/// A field that came after results had been stored under names without it: it enters the canonical text only where it
+/// is not at its default.
+template <class S, class M>
+constexpr Field<S, M> later(Field<S, M> field) {
+  field.later = true;
+  return field;
 }
 
 /// A field as the catalogue shows it.
@@ -110,11 +119,14 @@ void read_fields(S& options, const Table& table, std::string_view what, const st
   if constexpr (requires { options.check(table.place); }) options.check(table.place);
 }
 
-/// Every option as "name = value", in the order of declaration: what is hashed and shown.
+/// Every option as "name = value", in the order of declaration: what is hashed and shown. later() ones that are at
+/// their default are left out.
 template <class S>
 std::string canonical_fields(const S& options) {
+  const S standard{};
   std::string text;
   for_each_field<S>([&](const auto& field) {
+    if (field.later && options.*field.member == standard.*field.member) return;
     text += cat(text.empty() ? "" : ", ", field.name, " = ", canonical_text(options.*field.member));
   });
   return text;

@@ -12,6 +12,7 @@ struct Kettle {
   double heat = 1.5;
   std::string colour = "red";
   std::vector<double> weights = {1, 2};
+  bool whistle = false;
 
   static constexpr std::tuple kFields = {
       field("lid", &Kettle::lid, "whether it is shut"),
@@ -19,6 +20,7 @@ struct Kettle {
       field("heat", &Kettle::heat, "power", positive, "kW"),
       field("colour", &Kettle::colour, "what it looks like", one_of("red|blue")),
       field("weights", &Kettle::weights, "anything", non_negative),
+      later(field("whistle", &Kettle::whistle, "whether it is heard")),
   };
 
   void check(const Place& place) const {
@@ -78,6 +80,8 @@ TEST_CASE("a check over several fields speaks for the whole table") {
 
 TEST_CASE("equal options have equal canonical texts, whatever way they were written") {
   CHECK(canonical_fields(Kettle{}) == "lid = true, cups = 2, heat = 1.5, colour = \"red\", weights = [1, 2]");
+  const std::string loud = canonical_fields(read("whistle", {true, {}}));
+  CHECK(loud.ends_with("weights = [1, 2], whistle = true"));  // a later field at its default leaves the text as it was
   CHECK(canonical_text(-0.0) == "0");
   CHECK(canonical_text(std::string("a\"b\\c")) == "\"a\\\"b\\\\c\"");
   CHECK(canonical_text(0.1) == "0.1");
@@ -87,7 +91,7 @@ TEST_CASE("equal options have equal canonical texts, whatever way they were writ
 TEST_CASE("the catalogue shows name, type, unit, range, default and help of every field") {
   const std::vector<FieldInfo> infos = describe_fields<Kettle>();
 
-  REQUIRE(infos.size() == 5);
+  REQUIRE(infos.size() == 6);
   CHECK(infos[2].name == "heat");
   CHECK(infos[2].type == "number");
   CHECK(infos[2].unit == "kW");
@@ -97,7 +101,7 @@ TEST_CASE("the catalogue shows name, type, unit, range, default and help of ever
   CHECK(infos[1].range == "1 to 8");
   CHECK(infos[3].range == "one of red, blue");
   CHECK(infos[4].type == "list of numbers");
-  CHECK(field_names<Kettle>() == std::vector<std::string>{"lid", "cups", "heat", "colour", "weights"});
+  CHECK(field_names<Kettle>() == std::vector<std::string>{"lid", "cups", "heat", "colour", "weights", "whistle"});
 }
 
 TEST_CASE("a range says in words what it contains") {

@@ -68,33 +68,10 @@ Interval over_seeds(const Sample& sample, const StatisticFunction& statistic, Bo
   return result;
 }
 
-/// The episodes of a task as the bootstrap draws them: means of the groups of neighbours that are drawn together, which
-/// are the episodes themselves where there are few, and what is left over.
-struct Episodes {
-  explicit Episodes(std::span<const double> values) : total(values.size()), size(Bootstrap::group_size(total)) {
-    std::vector<double> groups(total / size);
-    for (std::size_t i = 0; i < groups.size(); ++i)
-      groups[i] = size == 1 ? values[i] : mean(values.subspan(i * size, size));
-    for (std::size_t i = groups.size() * size; i < total; ++i) left_over += values[i];
-    drawn = trimmed_values(groups, 0);
-  }
-
-  std::size_t groups() const { return drawn.ascending.size(); }
-  /// The mean of all episodes where that of the drawn groups is this.
-  double mean_of_all(double of_groups) const {
-    if (size == 1) return of_groups;
-    return (of_groups * static_cast<double>(groups() * size) + left_over) / static_cast<double>(total);
-  }
-
-  std::size_t total, size;
-  double left_over = 0;
-  TrimmedValues drawn;
-};
-
 /// One seed a task: draws episodes within each task, and takes the statistic of the tasks' means.
 Interval over_episodes(std::span<const Cell> tasks, const StatisticFunction& statistic, Bootstrap& bootstrap) {
   const Sample sample = sample_of(tasks);
-  std::vector<Episodes> episodes;
+  std::vector<GroupedValues> episodes;
   std::vector<std::size_t> strata;
   for (const Cell& task : tasks) strata.push_back(episodes.emplace_back(task.row(0)).groups());
   std::vector<double> resampled(bootstrap.resamples());
@@ -102,12 +79,11 @@ Interval over_episodes(std::span<const Cell> tasks, const StatisticFunction& sta
   std::vector<double> drawn(tasks.size());
   bootstrap.for_each_block(strata, [&](std::size_t first, Rows<const std::uint16_t> times) {
     for (std::size_t task = 0; task < tasks.size(); ++task) {
-      resampled_means(episodes[task].drawn, times.first_rows(strata[task]), means.row(task).first(times.lanes));
+      episodes[task].resampled_means(times.first_rows(strata[task]), means.row(task).first(times.lanes));
       times.data += strata[task] * times.stride;
     }
     for (std::size_t k = 0; k < times.lanes; ++k) {
-      for (std::size_t task = 0; task < tasks.size(); ++task)
-        drawn[task] = episodes[task].mean_of_all(means.at(task, k));
+      for (std::size_t task = 0; task < tasks.size(); ++task) drawn[task] = means.at(task, k);
       resampled[first + k] = statistic(drawn);
     }
   });

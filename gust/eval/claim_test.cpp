@@ -11,6 +11,7 @@
 #include "gust/core/error.h"
 #include "gust/core/rng.h"
 #include "gust/core/text.h"
+#include "gust/eval/sampled_share.h"
 
 namespace gust {
 namespace {
@@ -130,6 +131,55 @@ TEST_CASE("a verdict gives its reason with the numbers, and says what would deci
   CHECK(judged("anr >= 0.95", number(0.95, 0.9, 1.0)).verdict.needed ==
         "no number would decide: the estimate is at the bound");
   CHECK(judged("anr >= 0.95", number(0.951, 0.9, 1.0)).verdict.needed == "more than 10,000 episodes would be needed");
+}
+
+/// all of n episodes succeeded in s(0), s(1), …; half of them in s(-1).
+class Shares final : public FormulaData {
+ public:
+  explicit Shares(std::size_t episodes) : episodes_(episodes) {}
+  std::vector<std::string> functions() const override { return {"s"}; }
+  FormulaValue call(std::string_view, const std::vector<FormulaValue>& arguments) const override {
+    const double which = arguments[0].as_number("s").estimate();
+    Sampled share{std::vector<double>(2001, which < 0 ? 0.5 : 1.0)};
+    share.unit = Unit::episodes;
+    share.n = episodes_;
+    const Rng rng = Rng(1).split(static_cast<std::uint64_t>(which + 1));
+    return {sampled_share(std::move(share), episodes_, Rng(1).split("together"), rng)};
+  }
+
+ private:
+  std::size_t episodes_;
+};
+
+TEST_CASE("at the end of a share the number that would decide is the one of its interval, however the claim is said") {
+  const auto said = [](std::size_t episodes, const std::string& text) {
+    return judge(Formula(text, kPlace), {}, Shares(episodes)).verdict;
+  };
+  // Wilson's interval of n successes in n begins at n / (n + z^2), so 99 z^2 = 380.3 episodes decide 0.99.
+  const std::string needed = "about 390 episodes would decide";
+
+  for (const std::size_t episodes : {3, 25, 100}) {
+    for (const char* text : {"s(0) >= 0.99", "0.99 <= s(0)", "not s(0) < 0.99", "all(s(k) >= 0.99 for k in [0])",
+                             "all(s(k) >= 0.99 for k in [0, 1, 2])", "s(0) >= 0.99 and s(1) >= 0.99"}) {
+      CAPTURE(text);
+      CHECK(said(episodes, text).needed == needed);
+    }
+    // The least of three shares is lower than each: more episodes, but no more than a few times as many.
+    const Verdict least = said(episodes, "min(s(k) for k in [0, 1, 2]) >= 0.99");
+    CHECK(least.ruling == Ruling::undecided);
+    const auto number = [&](const std::string& from) { return std::stod(from.substr(from.find("about ") + 6)); };
+    REQUIRE(least.needed.starts_with("about "));
+    CHECK(number(least.needed) >= 390);
+    CHECK(number(least.needed) <= 800);
+    const Verdict difference = said(episodes, "s(0) - s(1) >= -0.01");
+    REQUIRE(difference.needed.starts_with("about "));
+    CHECK(number(difference.needed) <= 800);
+  }
+  CHECK(said(400, "all(s(k) >= 0.99 for k in [0, 1, 2])").ruling == Ruling::holds);
+  CHECK(said(1000, "min(s(k) for k in [0, 1, 2]) >= 0.99").ruling == Ruling::holds);
+  // Inside the range: 1.96^2 0.6 0.4 / 0.1^2 = 92.2.
+  CHECK(said(20, "s(-1) >= 0.6").needed == "about 93 episodes would decide");
+  CHECK(said(20, "mean(s(-1), s(-1)) >= 0.6").needed == "about 93 episodes would decide");
 }
 
 TEST_CASE("fewer than five seeds decide nothing, and a policy without seeds is decided over episodes") {

@@ -63,5 +63,7 @@ struct MarginCells {
 /// The margin of a over that of b, with an interval as compare() has it. A margin beyond the levels, or below the first
 /// one, is a bound, and so is the ratio. NaN where both are 0 or an undisturbed score is not positive.
 Interval margin_ratio(const MarginCells& a, const MarginCells& b, const MarginRule& rule, const Rng& rng);
+/// The same with its resamples, whose percentiles are that interval; a constant where there is none.
+Sampled sampled_margin_ratio(const MarginCells& a, const MarginCells& b, const MarginRule& rule, const Rng& rng);
 
 }  // namespace gust

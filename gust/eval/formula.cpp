@@ -10,6 +10,7 @@
 #include "gust/core/text.h"
 #include "gust/eval/formula_functions.h"
 #include "gust/eval/formula_parser.h"
+#include "gust/eval/sampled_margin.h"
 
 namespace gust {
 namespace {
@@ -35,17 +36,29 @@ Bounds apart(const Bounds& a, const Bounds& b) {
   return abs(a - b);
 }
 
+Sampled minus(const Sampled& left, const Sampled& right) {
+  if (std::optional<Sampled> difference = sampled_difference(left, right)) return *std::move(difference);
+  return combine(left, right, std::minus<>());
+}
+
 Sampled calculated(char sign, const Sampled& left, const Sampled& right) {
   switch (sign) {
     case '+':
       return combine(left, right, std::plus<>());
     case '-':
-      return combine(left, right, std::minus<>());
+      return minus(left, right);
     case '*':
       return combine(left, right, std::multiplies<>());
     default:
+      if (std::optional<Sampled> ratio = sampled_ratio(left, right)) return *std::move(ratio);
       return combine(left, right, std::divides<>());
   }
+}
+
+Truth inverse(const Truth& truth) {
+  Truth result(combine(truth.margin, [](const Bounds& margin) { return negated(margin); }));
+  result.share_bound = 1.0 - truth.share_bound;
+  return result;
 }
 
 std::vector<TruthPart> joined(std::vector<TruthPart> first, std::vector<TruthPart> second) {
@@ -183,7 +196,7 @@ class Evaluator {
 
   Truth logic(const Node& node) {
     const Truth first = truth(node.parts[0], node);
-    if (node.text == "not") return Truth(combine(first.margin, [](const Bounds& margin) { return negated(margin); }));
+    if (node.text == "not") return inverse(first);
     const Truth second = truth(node.parts[1], node);
     const bool both = node.text == "and";
     Sampled margin = combine_rising(std::array{first.margin, second.margin}, [both](std::span<const double> margins) {
@@ -191,6 +204,7 @@ class Evaluator {
     });
     Truth whole(std::move(margin));
     if (both) whole.parts = joined(first.all_parts(), second.all_parts());
+    if (!both && first.share_bound == second.share_bound) whole.share_bound = first.share_bound;
     return whole;
   }
 
@@ -257,7 +271,7 @@ Error wrong_type(std::string_view what, std::string_view expected, const Formula
 }  // namespace
 
 std::vector<TruthPart> Truth::all_parts() const {
-  return parts.empty() ? std::vector{TruthPart{statement, label, margin}} : parts;
+  return parts.empty() ? std::vector{TruthPart{statement, label, margin, share_bound}} : parts;
 }
 
 void Truth::name(const std::string& binding) {
@@ -267,14 +281,19 @@ void Truth::name(const std::string& binding) {
 }
 
 Truth related(std::string_view sign, const Sampled& left, const Sampled& right) {
+  if (const std::optional<Sampled> difference = sampled_difference(left, right))
+    return related(sign, *difference, Sampled::constant(0.0));
   if (sign == "==" || sign == "!=") {
     const Sampled equal = combine(left, right, [](const Bounds& a, const Bounds& b) { return -apart(a, b); });
     return Truth(sign == "==" ? equal : combine(equal, [](const Bounds& margin) { return negated(margin); }));
   }
   const bool strict = sign.size() == 1;
   const bool greater = sign.front() == '>';
-  return Truth(combine(greater ? left : right, greater ? right : left,
-                       [strict](const Bounds& a, const Bounds& b) { return above(a, b, strict); }));
+  const Sampled &more = greater ? left : right, &less = greater ? right : left;
+  Truth truth(combine(more, less, [strict](const Bounds& a, const Bounds& b) { return above(a, b, strict); }));
+  if (more.is_share && less.is_constant()) truth.share_bound = less.estimate();
+  if (less.is_share && more.is_constant()) truth.share_bound = 1.0 - more.estimate();
+  return truth;
 }
 
 std::string_view FormulaValue::type() const {
@@ -336,8 +355,8 @@ Formula::Judged Formula::judge(const FormulaNames& names, const FormulaData& dat
   if (!std::holds_alternative<Sampled>(left.data)) return {truth.margin, truth};
   const Sampled& value = std::get<Sampled>(left.data);
   const Sampled& bound = std::get<Sampled>(right.data);
-  if (bound.is_constant()) return {value, truth, bound.estimate()};
-  return {combine(value, bound, std::minus<>()), truth};
+  if (bound.is_constant()) return {value, truth};
+  return {minus(value, bound), truth};
 }
 
 }  // namespace gust

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -18,6 +20,7 @@ struct TruthPart {
   std::string statement;  ///< as it is written
   std::string label;      ///< "a = sac, s = action": what the names that `for` gave it stand for
   Sampled margin;
+  double share_bound = std::numeric_limits<double>::quiet_NaN();  ///< as Truth has it
 };
 
 /// How true a statement is in each resample: by how much it holds. It is true where the margin is not negative; a
@@ -27,6 +30,9 @@ struct Truth {
   std::vector<TruthPart> parts = {};  ///< what `and` and `all` put together; none of a statement that is one alone
   std::string statement = {};         ///< as TruthPart has it
   std::string label = {};
+  /// Of a statement about a share of successes: the share from which on it is true, where fewer successes make it true
+  /// that of the failures. So the share is this bound plus the margin. Else NaN.
+  double share_bound = std::numeric_limits<double>::quiet_NaN();
 
   explicit Truth(Sampled by) : margin(std::move(by)) {}
 
@@ -52,6 +58,8 @@ struct FormulaList {
   std::vector<double> added_axis;
   std::optional<Sampled> undisturbed = {};
   std::string no_margin = {};  ///< why margin() cannot be told whatever the values are
+  /// Reads what the table's margin is measured from, so that margin() has its interval; null where it is not there.
+  std::function<std::shared_ptr<const MarginData>()> margin_data = {};
 };
 
 /// What a part of a formula comes to.
@@ -118,7 +126,6 @@ class Formula {
   struct Judged {
     Sampled measured;
     Truth truth;
-    double bound = std::numeric_limits<double>::quiet_NaN();  ///< of `x > 3` 3
   };
   Judged judge(const FormulaNames& names, const FormulaData& data) const;
 

@@ -8,6 +8,7 @@
 
 #include "gust/eval/margin.h"
 #include "gust/eval/rank_correlation.h"
+#include "gust/eval/sampled_margin.h"
 #include "gust/eval/statistics.h"
 
 namespace gust {
@@ -57,7 +58,9 @@ double holding(Values margins) {
 /// Of functions that do not fall when one of the numbers grows.
 template <double (*kOf)(Values)>
 FormulaValue of_numbers(const Arguments& arguments) {
-  return {combine_rising(numbers_of(arguments, "a function of numbers"), kOf)};
+  const std::vector<Sampled> numbers = numbers_of(arguments, "a function of numbers");
+  Sampled result = combine_rising(numbers, kOf);
+  return {kOf == total ? std::move(result) : between(numbers, std::move(result))};
 }
 FormulaValue all(const Arguments& arguments) {
   Truth whole(combine_rising(margins_of(arguments[0], "all"), smallest));
@@ -66,7 +69,11 @@ FormulaValue all(const Arguments& arguments) {
   return {std::move(whole)};
 }
 FormulaValue any(const Arguments& arguments) {
-  return {Truth(combine_rising(margins_of(arguments[0], "any"), largest))};
+  const std::vector<Truth> truths = truths_of(arguments[0], "any");
+  Truth one(combine_rising(margins_of(arguments[0], "any"), largest));
+  const auto same = [&](const Truth& truth) { return truth.share_bound == truths.front().share_bound; };
+  if (std::ranges::all_of(truths, same)) one.share_bound = truths.front().share_bound;
+  return {std::move(one)};
 }
 FormulaValue count(const Arguments& arguments) { return {combine_rising(margins_of(arguments[0], "count"), holding)}; }
 FormulaValue share(const Arguments& arguments) {
@@ -91,7 +98,7 @@ CurveArgument curve_of(const FormulaValue& value, std::string_view what) {
 FormulaValue levels(const Arguments& arguments) {
   FormulaList list;
   list.axis = curve_of(arguments[0], "levels").axis;
-  for (const double at : list.axis) list.items.push_back({Sampled::constant(at)});
+  for (const double at : list.axis) list.items.emplace_back().data = Sampled::constant(at);
   return {std::move(list)};
 }
 
@@ -108,8 +115,9 @@ FormulaValue at(const Arguments& arguments) {
   const auto right = static_cast<std::size_t>(after - curve.axis.begin());
   if (*after == x) return {curve.values[right]};
   const double share = (x - curve.axis[right - 1]) / (curve.axis[right] - curve.axis[right - 1]);
-  return {combine_rising(std::span(curve.values).subspan(right - 1, 2),
-                         [share](Values values) { return values[0] + share * (values[1] - values[0]); })};
+  const auto around = std::span(curve.values).subspan(right - 1, 2);
+  return {between(
+      around, combine_rising(around, [share](Values values) { return values[0] + share * (values[1] - values[0]); }))};
 }
 
 CurveArgument filled_curve_of(const FormulaValue& value, std::string_view what) {
@@ -124,13 +132,6 @@ FormulaValue of_curve(const FormulaValue& value, std::string_view what, Function
   const CurveArgument curve = filled_curve_of(value, what);
   return {combine(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
 }
-/// The same where it does not fall when one of the values grows.
-template <class Function>
-FormulaValue of_curve_rising(const FormulaValue& value, std::string_view what, Function function) {
-  const CurveArgument curve = filled_curve_of(value, what);
-  return {combine_rising(curve.values, [&](Values values) { return function(Values(curve.axis), values); })};
-}
-
 /// A place on the axis of a curve, found by function(axis, values, reference), which may be a bound: infinite above
 /// where it lies beyond the last one, or further where `beyond` says so.
 template <class Function>
@@ -175,12 +176,14 @@ FormulaValue alike(const Arguments& arguments) {
 }
 
 FormulaValue area(const Arguments& arguments) {
-  return of_curve_rising(arguments[0], "area", [](Values x, Values y) {
-    if (x.size() == 1) return y[0];
-    double sum = 0;
-    for (std::size_t i = 1; i < x.size(); ++i) sum += 0.5 * (x[i] - x[i - 1]) * (y[i] + y[i - 1]);
-    return sum / (x.back() - x.front());
-  });
+  const CurveArgument curve = filled_curve_of(arguments[0], "area");
+  const std::vector<double>& x = curve.axis;
+  return {between(curve.values, combine_rising(curve.values, [&x](Values y) {
+                    if (x.size() == 1) return y[0];
+                    double sum = 0;
+                    for (std::size_t i = 1; i < x.size(); ++i) sum += 0.5 * (x[i] - x[i - 1]) * (y[i] + y[i - 1]);
+                    return sum / (x.back() - x.front());
+                  }))};
 }
 /// Refuses a curve along levels that has no margin.
 void check_has_margin(const FormulaList& list) {
@@ -212,7 +215,10 @@ FormulaValue margin_of(const Arguments& arguments) {
   const FormulaList& list = arguments[0].as_list("margin");
   check_has_margin(list);
   const FormulaValue all{with_added(list)};
-  return fall_of(list, filled_curve_of(all, "margin"), MarginRule{});
+  const FormulaValue found = fall_of(list, filled_curve_of(all, "margin"), MarginRule{});
+  const Sampled& drawn = found.as_number("margin");
+  std::shared_ptr<const MarginData> data = list.margin_data ? list.margin_data() : nullptr;
+  return {data == nullptr ? drawn : sampled_margin(drawn, std::move(data))};
 }
 FormulaValue reach(const Arguments& arguments) {
   const CurveArgument curve = filled_curve_of(arguments[0], "reach");

@@ -50,12 +50,6 @@ double rounded_up(double number) {
   return std::ceil(number / step - 1e-9) * step;
 }
 
-/// How many times the data of a share of successes would decide whether it is on one side of a bound: Wilson's interval
-/// leaves the bound out from z^2 b (1 - b) / (s - b)^2 trials on.
-double share_needed(const Sampled& share, double bound) {
-  return wilson_trials(share.estimate(), bound) / share.trials;
-}
-
 std::string needed_of(double factor, const Sampled& measured) {
   if (measured.unit == Unit::none) return needed_text(std::max(factor, 1.1), Unit::none);
   const auto present = static_cast<double>(measured.n);
@@ -70,6 +64,21 @@ struct Weighed {
   double distance = 0.0;  ///< from being false, in standard errors
   Ruling ruling = Ruling::undecided;
 };
+
+/// How many times the data would decide a part. The end of its interval on the side of the bound comes to the bound: of
+/// a share as Wilson's interval does, of what is computed from shares that are all 0 or 1 with 1 / n.
+double factor_needed(const Weighed& part) {
+  const Interval& margin = part.margin;
+  const double end = margin.estimate < 0 ? margin.high : margin.low;
+  const double bound = part.part.share_bound;
+  if (!std::isnan(bound)) {
+    const double share = bound + margin.estimate, reached = bound + end;
+    const double present = wilson_trials(share, reached);  // of the interval at hand
+    if (present > 0.0 && std::isfinite(present)) return wilson_trials(share, bound) / present;
+  }
+  const double squared = data_needed(margin);
+  return part.part.margin.at_ends ? std::sqrt(squared) : squared;
+}
 
 /// The standard error that the resamples show, of a mean of n units: they deviate too little by sqrt((n - 1) / n).
 double standard_error(const Sampled& margin) {
@@ -149,22 +158,22 @@ const Weighed& deciding(const std::vector<Weighed>& parts) {
 }
 
 /// What follows from the part that decides, told with the number that was measured.
-Verdict ruled(const Weighed& part, const Formula::Judged& judged, const std::string& measured) {
+Verdict ruled(const Weighed& part, const std::string& measured) {
   const Sampled& margin = part.part.margin;
   if (part.ruling == Ruling::holds || part.ruling == Ruling::fails) return {part.ruling, measured};
   if (part.ruling == Ruling::not_testable) {
     if (std::isnan(part.margin.estimate)) return {part.ruling, "the estimate is not a number"};
     if (!std::isnan(part.margin.low) && !std::isnan(part.margin.high))
       return {part.ruling, cat(measured, "; ", margin.limit), margin.limit};
-    const char* why =
-        all_unknown(margin) ? "more than one seed or episode would give an interval" : "a resample is not a number";
+    const std::string_view more = "more than one seed or episode would give an interval";
+    const std::string_view why = !all_unknown(margin)   ? "a resample is not a number"
+                                 : margin.limit.empty() ? more
+                                                        : std::string_view(margin.limit);
     return {part.ruling, cat(measured, "; ", why)};
   }
-  const bool is_share = judged.measured.trials > 0 && !std::isnan(judged.bound);
-  const double factor = is_share ? share_needed(judged.measured, judged.bound) : data_needed(part.margin);
   const char* why = part.margin.high < 0 ? "; false in all resamples, which one of so many parts may be by chance"
                                          : "; true in some resamples, false in others";
-  return {part.ruling, cat(measured, why), needed_of(factor, margin)};
+  return {part.ruling, cat(measured, why), needed_of(factor_needed(part), margin)};
 }
 
 /// Without what strict relations between equals give.
@@ -187,7 +196,7 @@ Finding found(const Formula::Judged& judged, std::optional<std::size_t> seeds, c
     finding.parts.push_back(
         {part.part.statement, part.part.label, rounded(part.margin), part.ruling, part.margin.estimate >= 0});
   Verdict& verdict = finding.verdict;
-  verdict = ruled(decides, judged, interval_text(finding.measured));
+  verdict = ruled(decides, interval_text(finding.measured));
   if (verdict.ruling == Ruling::not_testable) return finding;
   finding.seeds = seeds.value_or(0);
   finding.widened = verdict.ruling;
@@ -285,7 +294,7 @@ Finding judge(const Formula& formula, const FormulaNames& names, const FormulaDa
 
 Finding judge(const Claim& claim, const Sampled& measured, std::optional<std::size_t> seeds) {
   const Sampled bound = Sampled::constant(claim.bound);
-  return found({measured, related(sign_of(claim.relation), measured, bound), claim.bound}, seeds);
+  return found({measured, related(sign_of(claim.relation), measured, bound)}, seeds);
 }
 
 std::string measured_text(const Finding& finding) {

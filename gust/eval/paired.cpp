@@ -71,12 +71,12 @@ Resampled constant(const UnitCurves& curve) {
 
 Resampled resampled(const std::vector<std::vector<double>>& units, Bootstrap& bootstrap) {
   Resampled result(units.size(), std::vector<double>(kResamples));
-  const std::size_t strata[] = {units.front().size()};
-  std::vector<TrimmedValues> prepared;
-  for (const std::vector<double>& values : units) prepared.push_back(trimmed_values(values, 0));
+  std::vector<GroupedValues> prepared;
+  for (const std::vector<double>& values : units) prepared.emplace_back(values);
+  const std::size_t strata[] = {prepared.front().groups()};
   bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
     for (std::size_t level = 0; level < units.size(); ++level)
-      resampled_means(prepared[level], times, std::span(result[level]).subspan(first, times.lanes));
+      prepared[level].resampled_means(times, std::span(result[level]).subspan(first, times.lanes));
   });
   return result;
 }
@@ -238,8 +238,8 @@ Bounds log_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rul
 double change(double value, double estimate) { return value == estimate ? 0.0 : value - estimate; }
 
 /// The ratio of each resample at both of its ends; what the sources change adds up.
-void bound_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rule, std::span<const Source> sources,
-                 Interval& ratio) {
+void draw_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rule, std::span<const Source> sources,
+                Sampled& ratio) {
   const Bounds estimate = log_ratio(a, b, rule, a.means, b.means);
   std::vector<double> low(kResamples, estimate.low), high(kResamples, estimate.high);
   std::vector<double> scores_a(a.means.size()), scores_b(b.means.size());
@@ -253,10 +253,11 @@ void bound_ratio(const UnitCurves& a, const UnitCurves& b, const MarginRule& rul
       high[k] += factor * change(drawn.high, estimate.high);
     }
   }
-  for (double& value : low) value = std::isnan(value) ? -kInfinity : value;
-  for (double& value : high) value = std::isnan(value) ? kInfinity : value;
-  ratio.low = std::exp(quantile_reordering(low, 0.025));
-  ratio.high = std::exp(quantile_reordering(high, 0.975));
+  ratio.values.resize(1 + kResamples);
+  if (!ratio.upper.empty()) ratio.upper.resize(1 + kResamples);
+  for (std::size_t k = 0; k < kResamples; ++k)
+    ratio.set(1 + k,
+              {std::isnan(low[k]) ? 0.0 : std::exp(low[k]), std::isnan(high[k]) ? kInfinity : std::exp(high[k])});
 }
 
 double win(double x, double y) { return x > y ? 1.0 : x == y ? 0.5 : 0.0; }
@@ -323,22 +324,30 @@ Comparison compare(const Curve& a, const Curve& b, const Rng& rng) {
   return result;
 }
 
-Interval margin_ratio(const MarginCells& a, const MarginCells& b, const MarginRule& rule, const Rng& rng) {
+Sampled sampled_margin_ratio(const MarginCells& a, const MarginCells& b, const MarginRule& rule, const Rng& rng) {
   GUST_CHECK(!a.curve.cells.empty() && !b.curve.cells.empty() && a.undisturbed.lanes == b.undisturbed.lanes);
   const UnitCurves curve_a = unit_curves(a), curve_b = unit_curves(b);
   const Bounds estimate = log_ratio(curve_a, curve_b, rule, curve_a.means, curve_b.means);
+  Sampled ratio = Sampled::constant(std::numeric_limits<double>::quiet_NaN());
   const bool any = !std::isnan(estimate.low) && !std::isnan(estimate.high);
-  if (!any || !(curve_a.means.front() > 0.0) || !(curve_b.means.front() > 0.0)) return {};
-  Interval ratio{.estimate = std::exp(estimate.low)};
-  if (!estimate.exact()) ratio.most = std::exp(estimate.high);
+  if (!any || !(curve_a.means.front() > 0.0) || !(curve_b.means.front() > 0.0)) return ratio;
+  ratio.set(
+      0, estimate.exact() ? Bounds(std::exp(estimate.low)) : Bounds(std::exp(estimate.low), std::exp(estimate.high)));
   const std::vector<Source> sources = sources_of(curve_a, curve_b, rng);
   if (sources.empty()) return ratio;
   for (const Source& source : sources) {
     if (ratio.n == 0 || source.n < ratio.n) ratio.n = source.n;
     ratio.unit = std::max(ratio.unit, source.unit);
   }
-  bound_ratio(curve_a, curve_b, rule, sources, ratio);
+  draw_ratio(curve_a, curve_b, rule, sources, ratio);
   return ratio;
+}
+
+Interval margin_ratio(const MarginCells& a, const MarginCells& b, const MarginRule& rule, const Rng& rng) {
+  const Sampled ratio = sampled_margin_ratio(a, b, rule, rng);
+  Interval interval = interval_of(ratio);
+  if (ratio.is_constant()) interval.low = interval.high = std::numeric_limits<double>::quiet_NaN();
+  return interval;
 }
 
 }  // namespace gust

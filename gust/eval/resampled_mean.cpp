@@ -73,4 +73,20 @@ void resampled_means(const TrimmedValues& values, const Rows<const std::uint16_t
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = origin + running.sums[k] / count;
 }
 
+GroupedValues::GroupedValues(std::span<const double> values)
+    : total_(values.size()), size_(Bootstrap::group_size(total_)) {
+  std::vector<double> groups(total_ / size_);
+  for (std::size_t i = 0; i < groups.size(); ++i)
+    groups[i] = size_ == 1 ? values[i] : mean(values.subspan(i * size_, size_));
+  for (std::size_t i = groups.size() * size_; i < total_; ++i) left_over_ += values[i];
+  drawn_ = trimmed_values(groups, 0);
+}
+
+void GroupedValues::resampled_means(const Rows<const std::uint16_t>& times, std::span<double> out) const {
+  gust::resampled_means(drawn_, times, out);
+  if (size_ == 1) return;
+  for (double& value : out)
+    value = (value * static_cast<double>(groups() * size_) + left_over_) / static_cast<double>(total_);
+}
+
 }  // namespace gust

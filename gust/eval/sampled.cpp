@@ -1,5 +1,6 @@
 #include "gust/eval/sampled.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gust/eval/statistics.h"
@@ -56,7 +57,16 @@ void Sampled::inherit(const Sampled& from) {
   const bool first = n == 0 && !mixed;
   mixed = mixed || from.mixed || (!first && unit != from.unit);
   n = first ? from.n : std::min(n, from.n);
+  at_ends = from.at_ends && (first || at_ends);
   unit = mixed ? Unit::none : from.unit;
+}
+
+Sampled between(std::span<const Sampled> numbers, Sampled result) {
+  const auto is_share = [](const Sampled& number) {
+    return number.is_share || (number.is_constant() && number.estimate() >= 0.0 && number.estimate() <= 1.0);
+  };
+  result.is_share = !result.is_constant() && std::ranges::all_of(numbers, is_share);
+  return result;
 }
 
 Interval interval_of(const Sampled& number, double confidence) {

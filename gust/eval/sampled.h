@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ Bounds operator*(const Bounds& a, const Bounds& b);
 Bounds operator/(const Bounds& a, const Bounds& b);
 Bounds abs(const Bounds& range);
 
+struct MarginData;
+
 /// A number and what it becomes in each resample of the data. Arithmetic goes resample by resample, so whatever is
 /// computed from such numbers has an interval. Where a resample is known as a bound only, arithmetic keeps both ends.
 struct Sampled {
@@ -43,7 +46,10 @@ struct Sampled {
   Unit unit = Unit::none;          ///< what was resampled; none of a constant
   std::size_t n = 0;               ///< how many there were, of several numbers the fewest
   bool mixed = false;              ///< computed from numbers with different units
-  double trials = 0;               ///< of a share of successes: how many there were; 0 of what is computed
+  bool is_share = false;  ///< a share of successes, or one between several: its ends are those of Wilson's interval
+  bool at_ends = false;   ///< computed from shares that are all 0 or 1: its spread falls with 1 / n, not 1 / sqrt(n)
+  /// Of a margin what it was measured from, else null; many copies share it, for it holds the scores of whole curves.
+  std::shared_ptr<const MarginData> margin = {};
 
   static Sampled constant(double value) { return {{value}}; }
 
@@ -126,6 +132,9 @@ Sampled combine(const Sampled& a, Function&& function) {
   for (std::size_t i = 0; i < result.values.size(); ++i) result.set(i, function(a.bounds(i)));
   return result;
 }
+
+/// A number between others, such as their minimum or mean, is a share of successes where all of them are.
+Sampled between(std::span<const Sampled> numbers, Sampled result);
 
 /// The estimate between the percentiles of its resamples: of the lower ends below, of the upper ends above. A constant
 /// is its own interval; where a resample is not a number there is none.

@@ -104,6 +104,8 @@ void add_bias_and_activate(Activation kind, std::span<const T> bias, std::span<T
       return all_lanes<Activation::kRelu>(bias, y);
     case Activation::kLeakyRelu:
       return all_lanes<Activation::kLeakyRelu>(bias, y);
+    case Activation::kIdentity:
+      return all_lanes<Activation::kIdentity>(bias, y);
   }
 }
 
@@ -116,6 +118,8 @@ void through_activations(Activation kind, std::span<const T> y, std::span<T> dy,
       return all_columns<Activation::kRelu>(y, dy, bias_gradient);
     case Activation::kLeakyRelu:
       return all_columns<Activation::kLeakyRelu>(y, dy, bias_gradient);
+    case Activation::kIdentity:
+      return all_columns<Activation::kIdentity>(y, dy, bias_gradient);
   }
 }
 
@@ -129,14 +133,9 @@ void through_single_output(Activation kind, std::span<const T> y, const SingleOu
       return single_output<Activation::kRelu>(y.data(), output, gradient);
     case Activation::kLeakyRelu:
       return single_output<Activation::kLeakyRelu>(y.data(), output, gradient);
+    case Activation::kIdentity:
+      return single_output<Activation::kIdentity>(y.data(), output, gradient);
   }
-}
-
-template <class T>
-void add_bias(std::span<const T> bias, std::span<T> y) {
-  const std::size_t width = bias.size();
-  for (std::size_t start = 0; start < y.size(); start += width)
-    for (std::size_t i = 0; i < width; ++i) y[start + i] += bias[i];
 }
 
 template <class T>
@@ -151,8 +150,6 @@ void add_columns(std::span<const T> dy, std::span<T> bias_gradient) {
 
 template void add_bias_and_activate(Activation, std::span<const float>, std::span<float>);
 template void add_bias_and_activate(Activation, std::span<const double>, std::span<double>);
-template void add_bias(std::span<const float>, std::span<float>);
-template void add_bias(std::span<const double>, std::span<double>);
 template void through_activations(Activation, std::span<const float>, std::span<float>, std::span<float>);
 template void through_activations(Activation, std::span<const double>, std::span<double>, std::span<double>);
 template void through_single_output(Activation, std::span<const float>, const SingleOutput<float>&,

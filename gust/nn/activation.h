@@ -7,8 +7,8 @@
 
 namespace gust {
 
-/// What a hidden layer does to its sums. kLeakyRelu has the slope 0.01 below zero.
-enum class Activation { kTanh, kRelu, kLeakyRelu };
+/// What a hidden layer does to its sums. kLeakyRelu has the slope 0.01 below zero; kIdentity leaves them as they are.
+enum class Activation { kTanh, kRelu, kLeakyRelu, kIdentity };
 
 namespace detail {
 
@@ -46,6 +46,7 @@ template <Activation kind, class T, class V>
   if constexpr (kind == Activation::kTanh && sizeof(T) == sizeof(double)) return detail::tanh_exponential(z);
   if constexpr (kind == Activation::kRelu) return greater(V{}, z);
   if constexpr (kind == Activation::kLeakyRelu) return greater(z * T(0.01), z);
+  if constexpr (kind == Activation::kIdentity) return z;
 }
 
 /// The gradient at the sum, from the gradient dy at the activation y = activate(z). V is T or a vector of T.
@@ -54,15 +55,12 @@ V through_activation(V dy, V y) {
   if constexpr (kind == Activation::kTanh) return dy * fused(-y, y, V{} + T(1));
   if constexpr (kind == Activation::kRelu) return y > V{} ? dy : V{};
   if constexpr (kind == Activation::kLeakyRelu) return y > V{} ? dy : dy * T(0.01);
+  if constexpr (kind == Activation::kIdentity) return dy;
 }
 
 /// y = activate(y + bias) for every lane of a batch (lanes x width, the features of a lane side by side).
 template <class T>
 void add_bias_and_activate(Activation kind, std::span<const T> bias, std::span<T> y);
-
-/// y = y + bias.
-template <class T>
-void add_bias(std::span<const T> bias, std::span<T> y);
 
 /// Turns the gradient dy at activations y into the gradient at their sums, in place, and adds its columns up over the
 /// lanes, in their order, onto bias_gradient.

@@ -62,8 +62,7 @@ void MlpWorkspace<T>::forward_block(const Mlp<T>& mlp, Lanes lanes) noexcept {
     const std::span y(outputs_[layer].data() + lanes.first * width, lanes.count * width);
     const std::span bias(parameters + mlp.biases_at(layer), width);
     layers_[layer].forward(parameters + mlp.weights_at(layer), input_of(layer, lanes.first), y.data(), lanes.count);
-    const bool last = layer + 1 == layers_.size();
-    last ? add_bias(bias, y) : add_bias_and_activate(shape_.activation, bias, y);
+    add_bias_and_activate(shape_.after(layer), bias, y);
   }
 }
 
@@ -106,7 +105,7 @@ void MlpWorkspace<T>::backward_block(const Mlp<T>& mlp, Lanes lanes, const T* dz
         layers_[layer].add_weight_gradient(input_of(layer, lanes.first), dz, sums + mlp.weights_at(layer), lanes.count);
       if (layer == 0) break;
       layers_[layer].input_gradient(output_major_[layer], dz, below, lanes.count);
-      through_activations(shape_.activation, activations(layer - 1, lanes),
+      through_activations(shape_.after(layer - 1), activations(layer - 1, lanes),
                           std::span(below, lanes.count * shape_.sizes[layer]),
                           std::span(sums + mlp.biases_at(layer - 1), shape_.sizes[layer]));
     }
@@ -124,7 +123,7 @@ void MlpWorkspace<T>::below_single_output(const Mlp<T>& mlp, Lanes lanes, Step s
   const SingleOutput<T> output = {mlp.parameters().subspan(mlp.weights_at(layer), width),
                                   {step.dz, lanes.count},
                                   {step.sums + mlp.weights_at(layer), width}};
-  through_single_output(shape_.activation, activations(layer - 1, lanes), output,
+  through_single_output(shape_.after(layer - 1), activations(layer - 1, lanes), output,
                         {{step.below, lanes.count * width}, {step.sums + mlp.biases_at(layer - 1), width}});
 }
 
@@ -132,6 +131,31 @@ template <class T>
 std::span<const T> MlpWorkspace<T>::activations(std::size_t layer, Lanes lanes) const {
   const std::size_t width = shape_.sizes[layer + 1];
   return std::span(outputs_[layer]).subspan(lanes.first * width, lanes.count * width);
+}
+
+Mlp<float> without_linear_top(const Mlp<float>& mlp) {
+  MlpShape shape = mlp.shape();
+  if (!shape.linear_top || shape.layers() < 2) return mlp;
+  const std::size_t upper = shape.layers() - 1;
+  const std::size_t hidden = shape.sizes[upper];
+  shape.sizes.erase(shape.sizes.end() - 2);
+  shape.linear_top = false;
+  Mlp<float> result(shape);
+  for (std::size_t layer = 0; layer + 1 < upper; ++layer)
+    std::ranges::copy(mlp.parameters().subspan(mlp.weights_at(layer), mlp.parameters_of(layer)),
+                      result.parameters().begin() + static_cast<std::ptrdiff_t>(result.weights_at(layer)));
+  const auto joined = [&](std::size_t output, double sum, auto&& lower) {
+    for (std::size_t k = 0; k < hidden; ++k) sum += static_cast<double>(mlp.weight(upper, output, k)) * lower(k);
+    return static_cast<float>(sum);
+  };
+  for (std::size_t output = 0; output < shape.outputs(); ++output) {
+    result.bias(upper - 1, output) =
+        joined(output, mlp.bias(upper, output), [&](std::size_t k) -> double { return mlp.bias(upper - 1, k); });
+    for (std::size_t input = 0; input < shape.sizes[upper - 1]; ++input)
+      result.weight(upper - 1, output, input) =
+          joined(output, 0.0, [&](std::size_t k) -> double { return mlp.weight(upper - 1, k, input); });
+  }
+  return result;
 }
 
 template class Mlp<float>;

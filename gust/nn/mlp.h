@@ -11,14 +11,20 @@
 
 namespace gust {
 
-/// A chain of linear layers with an activation after every one but the last.
+/// A chain of linear layers with an activation after every one but the last; `linear_top` leaves it out after the last
+/// hidden layer, too.
 struct MlpShape {
   std::vector<std::size_t> sizes;  ///< inputs, hidden widths, outputs
   Activation activation = Activation::kTanh;
+  bool linear_top = false;
 
   std::size_t inputs() const { return sizes.front(); }
   std::size_t outputs() const { return sizes.back(); }
   std::size_t layers() const { return sizes.size() - 1; }
+  /// What a layer's sums go through, counted from 0.
+  Activation after(std::size_t layer) const {
+    return layer + (linear_top ? 2 : 1) < layers() ? activation : Activation::kIdentity;
+  }
   friend bool operator==(const MlpShape&, const MlpShape&) = default;
 };
 
@@ -73,6 +79,10 @@ Mlp<To> converted(const Mlp<From>& mlp) {
     result.parameters()[i] = static_cast<To>(mlp.parameters()[i]);
   return result;
 }
+
+/// The same map without the hidden layer that `linear_top` leaves linear: the two layers about it are one, their
+/// product formed in double. A network without one is returned as it is.
+Mlp<float> without_linear_top(const Mlp<float>& mlp);
 
 /// What running a network of one shape needs besides its parameters: compiled products and memory for up to max_lanes
 /// lanes. One thread at a time; no call but the constructor allocates.

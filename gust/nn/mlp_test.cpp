@@ -94,8 +94,10 @@ constexpr Activation kAll[] = {Activation::kTanh, Activation::kRelu, Activation:
 }  // namespace
 
 TEST_CASE("8.1.1 finite differences confirm every parameter's gradient and the inputs'") {
-  for (const Activation activation : kAll) {
-    auto problem = drawn_regression<double>({kSmall.sizes, activation}, 4, 21);  // no sum lies within 1e-4 of zero
+  std::vector<MlpShape> shapes = {{kSmall.sizes, Activation::kTanh, true}, {{5, 7, 6, 1}, Activation::kTanh, true}};
+  for (const Activation activation : kAll) shapes.push_back({kSmall.sizes, activation});
+  for (const MlpShape& shape : shapes) {
+    auto problem = drawn_regression<double>(shape, 4, 21);  // no sum lies within 1e-4 of zero
 
     const auto gradient = problem.gradient();
     const auto input_gradient = problem.input_gradient();
@@ -109,6 +111,22 @@ TEST_CASE("8.1.1 finite differences confirm every parameter's gradient and the i
     });
     for (std::size_t i = 0; i < problem.input.size(); ++i)
       CHECK(agrees(problem.slope(problem.input[i]), input_gradient[i]));
+  }
+}
+
+TEST_CASE("a network whose last hidden layer is linear is the one without that layer") {
+  for (const auto& sizes : {std::vector<std::size_t>{4, 256, 256, 1}, {5, 7, 6, 9, 3}, {4, 8, 2}}) {
+    auto whole = drawn_regression<float>({sizes, Activation::kRelu, true}, 20, 8);
+    const Mlp<float> joined = without_linear_top(whole.mlp);
+    MlpWorkspace<float> workspace(joined.shape(), 20);
+
+    const auto expected = whole.output();
+    const auto output = workspace.forward(joined, whole.input);
+
+    CHECK(joined.shape().layers() == sizes.size() - 2);
+    CHECK_FALSE(joined.shape().linear_top);
+    for (std::size_t i = 0; i < expected.size(); ++i) CHECK(std::abs(output[i] - expected[i]) < 1e-6);
+    CHECK(without_linear_top(joined).shape() == joined.shape());
   }
 }
 

@@ -109,6 +109,9 @@ void add_activation(onnx::GraphProto& graph, Activation activation, std::size_t 
     case Activation::kRelu:
       add_node(graph, "Relu", from, to);
       return;
+    case Activation::kIdentity:
+      add_node(graph, "Identity", from, to);
+      return;
     case Activation::kLeakyRelu: {
       onnx::AttributeProto& slope = *add_node(graph, "LeakyRelu", from, to).add_attribute();
       slope.set_name("alpha");
@@ -138,7 +141,7 @@ std::string write_onnx(const ActorNetwork& actor, const OnnxMetadata& metadata) 
   if (actor.alpha) add_level(graph, actor);
   for (std::size_t layer = 0; layer < shape.layers(); ++layer) {
     add_layer(graph, actor, layer);
-    if (layer + 1 < shape.layers()) add_activation(graph, shape.activation, layer);
+    if (layer + 1 < shape.layers()) add_activation(graph, shape.after(layer), layer);
   }
   if (actor.box) add_box(graph, *actor.box);
   // The opset, which no reader does without, comes last: a file that lost its end is refused.

@@ -69,7 +69,7 @@ void sample_at(const SquashedGaussian<T>& policy, std::span<const T> noise, Squa
     const Squashed<V> y = squashed(load<V>(&policy.mean[at]) + exp(log_std) * e);
     const double half_width = policy.half_width[d];
     store<V>(&sample.action[at], policy.centre[d] + half_width * y.tanh);
-    density -= 0.5 * e * e + log_std + kHalfLogTwoPi + y.log_slope + log(half_width);
+    density -= 0.5 * e * e + log_std + kHalfLogTwoPi + y.log_slope + (policy.of_tanh ? 0.0 : log(half_width));
   }
   store<V>(&sample.log_density[lane], density);
 }

@@ -23,6 +23,7 @@ struct SquashedGaussian {
   std::span<const T> log_std;  ///< actions x lanes, not clamped yet
   std::span<const float> centre;
   std::span<const float> half_width;  ///< per action
+  bool of_tanh = false;               ///< leave out ln half_width: the density of tanh u, not of the action
 
   std::size_t actions() const { return centre.size(); }
   std::size_t lanes() const { return mean.size() / centre.size(); }

@@ -131,14 +131,16 @@ TEST_CASE("8.1.1 finite differences confirm the gradient of the squashed Gaussia
   CHECK(log_std_gradient[5] == 0.0);
 }
 
-TEST_CASE("a box ten times as wide has densities a tenth as high") {
+TEST_CASE("a box ten times as wide has densities a tenth as high, and the same of the tanh") {
   const std::array centre = {0.0f}, one = {1.0f}, ten = {10.0f};
   const std::array<double, 1> mean = {0.4}, log_std = {-0.2}, noise = {0.7};
-  std::array<double, 1> narrow_action, narrow, wide_action, wide;
+  std::array<double, 1> narrow_action, narrow, wide_action, wide, of_tanh;
 
   squashed_sample<double>({mean, log_std, centre, one}, noise, {narrow_action, narrow});
   squashed_sample<double>({mean, log_std, centre, ten}, noise, {wide_action, wide});
+  squashed_sample<double>({mean, log_std, centre, ten, true}, noise, {wide_action, of_tanh});
 
   CHECK(wide_action[0] == doctest::Approx(10 * narrow_action[0]).epsilon(1e-15));
   CHECK(wide[0] == doctest::Approx(narrow[0] - std::log(10.0)).epsilon(1e-14));
+  CHECK(of_tanh[0] == narrow[0]);
 }

@@ -49,7 +49,7 @@ const Tiles<T>& TiledMlp<T>::forward(const Mlp<T>& mlp, const Tiles<T>& input) n
       const std::span bias(parameters + mlp.biases_at(layer), shape_.sizes[layer + 1]);
       const std::span<T> y = outputs_[layer].tile(tile);
       layers_[layer].forward(input_of(layer).tile(tile).data(), parameters + mlp.weights_at(layer), y.data());
-      layer + 1 == layers_.size() ? add_bias_to_tile<T>(bias, y) : activate_tile<T>(shape_.activation, bias, y);
+      activate_tile<T>(shape_.after(layer), bias, y);
     }
   }
   return outputs_.back();
@@ -69,9 +69,9 @@ void TiledMlp<T>::to_layer_below(const Mlp<T>& mlp, std::size_t layer, std::size
   const std::span<const T> dz = at_sums(layer, tile);
   const std::span<const T> y = outputs_[layer - 1].tile(tile);
   const std::span<T> below = at_sums_[(layer - 1) % 2].tile(tile).first(y.size());
-  if (size.narrow()) return through_narrow_layer<T>(shape_.activation, {weights, y, dz}, below);
+  if (size.narrow()) return through_narrow_layer<T>(shape_.after(layer - 1), {weights, y, dz}, below);
   layers_[layer].to_input(dz.data(), weights.data(), below.data());
-  through_activated_tile<T>(shape_.activation, y, below);
+  through_activated_tile<T>(shape_.after(layer - 1), y, below);
 }
 
 template <class T>

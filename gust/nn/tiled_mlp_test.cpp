@@ -53,7 +53,7 @@ TEST_CASE("a batch in tiles gives the same outputs as one lane after the other, 
   for (const Activation activation : kAll) {
     for (const auto& sizes : kSizes) {
       for (const std::size_t lanes : {1u, 64u, 150u}) {
-        Problem<float> problem({sizes, activation}, lanes);
+        Problem<float> problem({sizes, activation, lanes == 150u}, lanes);
         MlpWorkspace<float> workspace(problem.mlp.shape(), lanes);
         TiledMlp<float> tiled(problem.mlp.shape(), lanes);
 
@@ -77,7 +77,7 @@ TEST_CASE_TEMPLATE("8.1.1 gradients in tiles are those of one lane after the oth
   for (const Activation activation : kAll) {
     for (const auto& sizes : kSizes) {
       for (const std::size_t lanes : {1u, 64u, 150u}) {
-        Problem<T> problem({sizes, activation}, lanes);
+        Problem<T> problem({sizes, activation, lanes == 64u}, lanes);
         MlpWorkspace<T> workspace(problem.mlp.shape(), lanes);
         TiledMlp<T> tiled(problem.mlp.shape(), lanes);
         Buffer<T> expected(problem.mlp.parameters().size()), gradient(expected.size());

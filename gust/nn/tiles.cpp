@@ -26,6 +26,8 @@ void with_activation(Activation kind, F&& f) {
       return f.template operator()<Activation::kRelu>();
     case Activation::kLeakyRelu:
       return f.template operator()<Activation::kLeakyRelu>();
+    case Activation::kIdentity:
+      return f.template operator()<Activation::kIdentity>();
   }
 }
 

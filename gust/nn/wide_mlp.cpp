@@ -54,6 +54,8 @@ void activate_all(Activation kind, std::span<double> y) {
       return activate_all<Activation::kRelu>(y);
     case Activation::kLeakyRelu:
       return activate_all<Activation::kLeakyRelu>(y);
+    case Activation::kIdentity:
+      return;
   }
 }
 
@@ -116,11 +118,16 @@ void strip(TileAt at, const TileStep& step, std::size_t lanes) {
 
 }  // namespace
 
-WideMlp::WideMlp(const Mlp<float>& mlp, std::size_t max_lanes) : activation_(mlp.shape().activation) {
+WideMlp::WideMlp(const Mlp<float>& mlp, std::size_t max_lanes) {
   const MlpShape& shape = mlp.shape();
   std::size_t widest = 0;
   for (std::size_t i = 0; i < shape.layers(); ++i) {
-    Layer layer{shape.sizes[i], shape.sizes[i + 1], (shape.sizes[i + 1] + kWidth - 1) / kWidth * kWidth, {}, {}};
+    Layer layer{.inputs = shape.sizes[i],
+                .outputs = shape.sizes[i + 1],
+                .stride = (shape.sizes[i + 1] + kWidth - 1) / kWidth * kWidth,
+                .activation = shape.after(i),
+                .weights = {},
+                .biases = {}};
     layer.weights.assign(layer.inputs * layer.stride, 0.0);
     layer.biases.assign(layer.stride, 0.0);
     for (std::size_t output = 0; output < layer.outputs; ++output) {
@@ -143,7 +150,7 @@ std::span<const double> WideMlp::forward(std::span<const double> in) noexcept {
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     const std::span<double> y(buffers_[i % 2].data(), lanes * layers_[i].stride);
     multiply(layers_[i], {x, x_stride}, y);
-    if (i + 1 < layers_.size()) activate_all(activation_, y);
+    activate_all(layers_[i].activation, y);
     x = y.data();
     x_stride = layers_[i].stride;
   }

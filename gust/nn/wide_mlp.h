@@ -28,6 +28,7 @@ class WideMlp {
     std::size_t inputs;
     std::size_t outputs;
     std::size_t stride;      // outputs, rounded up to whole registers
+    Activation activation;   // of its sums
     Buffer<double> weights;  // input by input, stride apart
     Buffer<double> biases;
   };
@@ -39,7 +40,6 @@ class WideMlp {
 
   static void multiply(const Layer& layer, const Batch& x, std::span<double> y) noexcept;
 
-  Activation activation_;
   std::vector<Layer> layers_;
   Buffer<double> buffers_[2];  // of layers 0, 2, … and 1, 3, …: lanes x stride
   std::vector<double> result_;

@@ -27,6 +27,7 @@ std::vector<double> draws(std::size_t count, std::uint64_t seed) {
 double apply(Activation kind, double z) {
   if (kind == Activation::kTanh) return std::tanh(z);
   if (kind == Activation::kRelu) return std::max(z, 0.0);
+  if (kind == Activation::kIdentity) return z;
   return z > 0 ? z : 0.01 * z;
 }
 
@@ -40,7 +41,7 @@ std::vector<double> by_definition(const Mlp<float>& mlp, const double* in) {
       long double sum = mlp.bias(layer, j);
       for (std::size_t i = 0; i < x.size(); ++i) sum += static_cast<long double>(mlp.weight(layer, j, i)) * x[i];
       const auto z = static_cast<double>(sum);
-      y[j] = layer + 1 < shape.layers() ? apply(shape.activation, z) : z;
+      y[j] = apply(shape.after(layer), z);
     }
     x = y;
   }
@@ -51,7 +52,8 @@ TEST_CASE("a network in double gives what its definition says, for any widths an
   for (const Activation kind : {Activation::kTanh, Activation::kRelu, Activation::kLeakyRelu}) {
     for (const std::vector<std::size_t>& sizes :
          {std::vector<std::size_t>{4, 64, 64, 1}, {3, 17, 2}, {5, 1}, {1, 21, 6}}) {
-      const Mlp<float> mlp = random_mlp({.sizes = sizes, .activation = kind}, sizes.size());
+      const bool linear_top = sizes.front() == 3;
+      const Mlp<float> mlp = random_mlp({sizes, kind, linear_top}, sizes.size());
       for (const std::size_t lanes : {1, 2, 3, 8, 25}) {
         WideMlp wide(mlp, 25);
         const std::vector<double> in = draws(lanes * wide.inputs(), 7);

@@ -74,6 +74,12 @@ std::string printed_text(const Page::Estimate& printed) {
              std::isfinite(deviation) ? cat(" <span class=\"interval\">± ", short_number(deviation), "</span>") : "");
 }
 
+/// " ± 0.087" of our episodes, as the paper's is.
+std::string spread_text(const TableCell& cell) {
+  return std::isfinite(cell.deviation) ? cat(" <span class=\"interval\">± ", short_number(cell.deviation), "</span>")
+                                       : "";
+}
+
 std::string difference_text(const TableCell& cell) {
   const double difference = cell.ours.value - cell.printed.value;
   if (!std::isfinite(difference)) return "–";
@@ -84,8 +90,8 @@ std::string difference_text(const TableCell& cell) {
 
 std::string cell_row(const TableCell& cell, const Axis& axis) {
   std::string out = cat("<tr><th scope=\"row\">", escaped(cell.column), "</th>");
-  for (const std::string& number :
-       {printed_text(cell.printed), number_text(cell.ours), difference_text(cell), number_text(training_range(cell))})
+  for (const std::string& number : {printed_text(cell.printed), cat(number_text(cell.ours), spread_text(cell)),
+                                    difference_text(cell), number_text(training_range(cell))})
     out += cat("<td class=\"number\">", number, "</td>");
   return cat(out, "<td class=\"plot\">", micro_plot(cell, axis), "</td></tr>\n");
 }
@@ -138,7 +144,7 @@ std::string printed_table(const ReproductionPage::Figure& figure) {
           " between our least and greatest single training.</p>\n"
           "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The paper’s table beside ours\"><table "
           "class=\"printed\">\n<thead><tr><th scope=\"col\">policy</th><th scope=\"col\" "
-          "class=\"number\">paper <small>± std</small></th><th scope=\"col\" class=\"number\">ours "
+          "class=\"number\">paper <small>± over episodes</small></th><th scope=\"col\" class=\"number\">ours "
           "<small>[interval]</small>"
           "</th><th scope=\"col\" class=\"number\">difference</th><th scope=\"col\" class=\"number\">one training "
           "<small>median [least, greatest]</small></th><th scope=\"col\" class=\"plot\"><span "

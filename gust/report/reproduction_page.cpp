@@ -22,7 +22,6 @@ namespace {
 using Figure = ReproductionPage::Figure;
 
 constexpr std::size_t kDataLimit = 16'000'000;  // bytes of all figures; the page must stay under 20 MB
-constexpr std::size_t kOpeningSentences = 4;    // of the findings
 
 void check_claims(const ReproductionPage& page) {
   std::set<std::string_view> ids;
@@ -164,19 +163,23 @@ std::vector<std::string> other_claims(const ReproductionPage& page) {
   return out;
 }
 
-/// The findings that are not in the opening paragraph.
-std::string further_findings(const ReproductionPage& page) {
-  if (page.findings.size() <= kOpeningSentences) return "";
+std::string list_html(const char* style, std::span<const std::string> sentences) {
   std::string items;
-  for (const auto& sentence : std::span(page.findings).subspan(kOpeningSentences))
-    items += cat("<li>", escaped(sentence), "</li>\n");
-  return cat("<h3>What else the data show</h3>\n<ul class=\"further\">\n", items, "</ul>\n");
+  for (const auto& sentence : sentences) items += cat("<li>", escaped(sentence), "</li>\n");
+  return items.empty() ? "" : cat("<ul class=\"", style, "\">\n", items, "</ul>\n");
+}
+
+std::string further_findings(const ReproductionPage& page) {
+  const std::string list = list_html("further", page.findings);
+  return list.empty() ? "" : cat("<h3>What else the data show</h3>\n", list);
 }
 
 std::vector<Section> sections(const ReproductionPage& page, const std::vector<PageData>& data) {
   std::vector<Section> out;
   out.push_back({"verdicts", "Verdicts", cat("What became of ", counted(page.claims.size(), "claim", "claims")),
-                 cat(mark_shapes(), verdict_picture(page), partings_html(page), further_findings(page))});
+                 cat(mark_shapes(), verdict_picture(page),
+                     page.note.empty() ? "" : cat("<p class=\"note\">", escaped(page.note), "</p>\n"),
+                     partings_html(page), further_findings(page))});
   if (const std::string table = reading_table(page); !table.empty())
     out.push_back({"readings", "Readings", "What hangs on a reading", table});
   for (std::size_t i = 0; i < page.figures.size(); ++i) out.push_back(figure_section(page, page.figures[i], data[i]));
@@ -198,12 +201,12 @@ std::string hero(const ReproductionPage& page) {
                                              counted(page.figures.size(), "figure and table", "figures and tables"),
                                              counted(page.readings.size(), "reading", "readings")},
                                  " · ");
-  const auto opening = std::span(page.findings).first(std::min(page.findings.size(), kOpeningSentences));
+  const std::span opening = page.opening;
   return cat(label, "<header class=\"hero\">\n<p class=\"over\">A paper’s reproduction</p>\n<h1>", escaped(page.title),
              "</h1>\n<p class=\"source\">", escaped(page.source), "</p>\n",
-             opening.empty() ? "" : cat("<p class=\"question\">", escaped(join(opening, " ")), "</p>\n"),
-             page.note.empty() ? "" : cat("<p class=\"note\">", escaped(page.note), "</p>\n"),
-             "<p class=\"facts-line\">", facts, "</p>\n</header>\n", warnings_html(page.warnings));
+             opening.empty() ? "" : cat("<p class=\"question\">", escaped(opening.front()), "</p>\n"),
+             opening.empty() ? "" : list_html("further", opening.subspan(1)), "<p class=\"facts-line\">", facts,
+             "</p>\n</header>\n", warnings_html(page.warnings));
 }
 
 }  // namespace

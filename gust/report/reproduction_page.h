@@ -49,11 +49,12 @@ struct ReproductionPage {
     Page::Estimate printed;  ///< low and high: one standard deviation to each side, where the paper has it
     Page::Estimate ours;
     std::vector<double> trainings = {};  ///< ours, of each training alone
+    double deviation = Page::kUnknown;   ///< ours, of episodes, as the paper's is
   };
 
   struct Figure {
     std::string id;     ///< "white", fit for an address
-    std::string place;  ///< "Figure 4"
+    std::string place;  ///< "Figure 3"
     std::string title;
     std::string says;                 ///< what the paper says about it, in our words
     std::string trained;              ///< sentences: how many seeds of each policy and for how long, what else to know
@@ -66,9 +67,10 @@ struct ReproductionPage {
 
   std::string title;
   std::string source;                 ///< the paper, as one cites it
-  std::string note;                   ///< what to know before one reads the findings; may be empty
+  std::string note;                   ///< what to know of the verdicts; may be empty
   std::string label;                  ///< says at once if this is a miniature; empty for the full run
-  std::vector<std::string> findings;  ///< sentences: the first ones are the opening paragraph
+  std::vector<std::string> opening;   ///< what was found, in at most ten sentences
+  std::vector<std::string> findings;  ///< what else the data show, a sentence each
   std::vector<std::string> warnings;  ///< what is missing or failed
   std::vector<Reading> readings;      ///< the first is the main one
   std::vector<Claim> claims;

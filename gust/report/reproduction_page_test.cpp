@@ -103,6 +103,26 @@ TEST_CASE("every claim stands once on the page, in its figure or at the end, and
   CHECK(html.find("id=\"claim-C3\"") > html.find("id=\"figure-two\""));
 }
 
+TEST_CASE("readings are told from most to least of the parts that are true under them") {
+  ReproductionPage page = small_page();
+  for (auto& verdict : page.claims[0].verdicts) verdict.parts = 4;
+  page.claims[0].verdicts[0].true_parts = 1;
+  page.claims[0].verdicts[1].true_parts = 3;
+  page.readings.push_back({"asked nothing", "So it has no share."});
+
+  const std::vector<Specification> all = specifications(page);
+
+  REQUIRE(all.size() == 2);
+  CHECK(all[0].reading == 1);
+  CHECK(all[0].share() == 0.75);
+  CHECK(all[0].claims == 2);
+  CHECK(all[0].refuted == 1);
+  CHECK(all[1].reading == 0);
+  CHECK(all[1].true_parts == 1);
+  const std::string html = render_reproduction(page);
+  CHECK(html.find("75 %</td><td class=\"number\">3 of 4") < html.find("25 %</td><td class=\"number\">1 of 4"));
+}
+
 TEST_CASE("a claim hangs on a reading where it holds under one and fails under another") {
   CHECK_FALSE(hangs_on_reading(claim("C1", {Ruling::holds, Ruling::holds})));
   CHECK_FALSE(hangs_on_reading(claim("C1", {Ruling::not_testable, Ruling::holds})));

@@ -31,7 +31,9 @@ void fill_ours(const Study& study, const Summary& summary, const std::string& me
   if (series == nullptr) return;
   const std::size_t index = study.metric_set.index(metric, {});
   cell.ours = shown(series->at(index, 0));
-  if (index == study.metrics.front()) cell.trainings = series->trainings;
+  if (index != study.metrics.front()) return;
+  cell.trainings = series->trainings;
+  cell.deviation = series->episode_deviation;
 }
 
 }  // namespace
@@ -55,7 +57,8 @@ std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const Pape
 namespace {
 
 /// A page of maps in place of the policies that they are made of.
-void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summary& summary, Page& page) {
+void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summary& summary, const std::string& start,
+               Page& page) {
   page.policies.clear();
   page.curves.clear();
   page.margins.clear();
@@ -72,13 +75,13 @@ void draw_maps(const std::vector<PaperMap>& maps, const Study& study, const Summ
           {map.sweep, {"level in the test", unit, levels}, {"level in training", unit, levels}, {}, ""});
       grid = page.grids.end() - 1;
     }
-    const std::vector<std::size_t> starts = starts_to_tell(study);  // the page's are in this order
-    for (std::size_t start = 0; start < starts.size(); ++start) {
+    const std::vector<std::size_t> starts = starts_to_tell(study, start);  // the page's are in this order
+    for (std::size_t s = 0; s < starts.size(); ++s) {
       for (std::size_t metric = 0; metric < page.metrics.size(); ++metric) {
         std::vector<double> values;
-        for (const Estimate& cell : map_cells(map, study, summary, summarised_metrics(study)[metric], starts[start]))
+        for (const Estimate& cell : map_cells(map, study, summary, summarised_metrics(study)[metric], starts[s]))
           values.push_back(cell.value);
-        if (!values.empty()) grid->layers.push_back({page.policies.size(), start, metric, std::move(values)});
+        if (!values.empty()) grid->layers.push_back({page.policies.size(), s, metric, std::move(values)});
       }
     }
     page.policies.push_back({map.name, map.policies, 1});
@@ -170,7 +173,8 @@ std::string flatness_text(const Study& study, const Summary& summary) {
 ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t index, const std::string& command) {
   const Paper& paper = *results.reproduction.paper;
   const PaperFigure& figure = paper.figures[index];
-  const std::size_t at = *results.reproduction.find(0, figure.study);
+  const std::size_t at = *results.reproduction.drawn(figure);
+  const PaperReading& reading = paper.readings[results.reproduction.studies[at].reading];
   const Study& study = results.reproduction.studies[at].study;
   const Summary& summary = results.summaries[at];
   ReproductionPage::Figure drawn;
@@ -179,19 +183,25 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
   drawn.title = figure.title;
   drawn.says = figure.says;
   drawn.trained = cat(trained_text(study), flatness_text(study, summary));
+  if (&reading != &paper.readings.front()) drawn.trained = cat("Drawn under ‘", reading.name, "’. ", drawn.trained);
   if (!figure.note.empty()) drawn.trained += cat(drawn.trained.empty() ? "" : " ", figure.note);
   drawn.shows = figure.shows;
   drawn.table = table_of(paper, figure, study, summary);
   drawn.table_metric = figure.metric;
-  drawn.page = study_page(
-      study, summary, {cat("gust run studies/paper/", figure.study, ".toml"), cat(figure.study, ".gust"), "", {}, {}});
+  drawn.page = study_page(study, summary,
+                          {.run_command = "",
+                           .folder = cat(figure.study, ".gust"),
+                           .export_command = "",
+                           .provenance = {},
+                           .warnings = {},
+                           .start = reading.start});
   drawn.page.study_text.clear();
   drawn.page.claims.clear();
   drawn.page.run_command = cat(command, results.reproduction.choice.only.empty() ? cat(" --only ", figure.study) : "");
   for (Page::Sweep& sweep : drawn.page.sweeps) sweep.command.clear();  // they would ask a study's own folder
   for (Page::Grid& grid : drawn.page.grids) grid.command.clear();
   for (Page::Episode& episode : drawn.page.episodes) episode.command.clear();
-  if (!figure.maps.empty()) draw_maps(figure.maps, study, summary, drawn.page);
+  if (!figure.maps.empty()) draw_maps(figure.maps, study, summary, reading.start, drawn.page);
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     if (paper.claims[c].figure == figure.study && !results.on(c).empty()) drawn.claims.push_back(paper.claims[c].id);
   }
@@ -229,13 +239,15 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
   page.source = paper.source;
   page.note = paper.note;
   page.label = results.label();
-  page.findings = findings(results);
+  Findings found = findings(results);
+  page.opening = std::move(found.opening);
+  page.findings = std::move(found.further);
   page.warnings = results.failures;
   page.run_command = command;
   page.provenance = results.provenance;
   for (const PaperReading& reading : paper.readings) page.readings.push_back({reading.name, reading.says});
   for (std::size_t f = 0; f < paper.figures.size(); ++f) {
-    if (results.reproduction.find(0, paper.figures[f].study)) page.figures.push_back(figure_of(results, f, command));
+    if (results.reproduction.drawn(paper.figures[f])) page.figures.push_back(figure_of(results, f, command));
   }
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const PaperClaim& claim = paper.claims[c];

@@ -23,9 +23,14 @@ std::string map_policy(const PaperMap& map, double level);
 std::vector<Estimate> map_cells(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
                                 std::size_t start);
 
-/// What stands at the top of page and text: how many claims hold, and what the paper could not see. Sentences, each
-/// made from the numbers.
-std::vector<std::string> findings(const PaperResults& results);
+/// What a reproduction found, in sentences that are made from the numbers.
+struct Findings {
+  std::vector<std::string> opening;  ///< at most ten, in the order of what matters
+  std::vector<std::string> further;
+};
+Findings findings(const PaperResults& results);
+/// The first part of them.
+std::vector<std::string> opening_findings(const PaperResults& results);
 
 /// The same results as a text in Markdown: docs/reproduce.md.
 std::string reproduction_text(const PaperResults& results, const std::string& command);

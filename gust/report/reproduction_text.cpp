@@ -68,6 +68,17 @@ std::string trainings_text(const ReproductionPage::TableCell& cell) {
   return cat("; ", short_number(range.value), ", ", short_number(range.low), " to ", short_number(range.high));
 }
 
+/// "0.195 ± 0.087".
+std::string printed_text(const Page::Estimate& printed) {
+  const double deviation = (printed.high - printed.low) / 2;
+  return cat(short_number(printed.value), std::isfinite(deviation) ? cat(" ± ", short_number(deviation)) : "");
+}
+
+/// " ± 0.087" of our episodes.
+std::string deviation_text(const ReproductionPage::TableCell& cell) {
+  return std::isfinite(cell.deviation) ? cat(" ± ", short_number(cell.deviation)) : "";
+}
+
 /// The paper's table beside ours: a line a row, a column a policy, the printed value first.
 std::string table_text(const ReproductionPage::Figure& figure) {
   std::vector<std::string> rows, columns;
@@ -76,7 +87,8 @@ std::string table_text(const ReproductionPage::Figure& figure) {
     if (std::ranges::find(columns, value.column) == columns.end()) columns.push_back(value.column);
   }
   std::string text = cat("Printed → ours (", figure.table_metric,
-                         ", mean over seeds [interval]; median of single trainings, least to greatest):\n\n|  |");
+                         ", mean over seeds [interval]; ± over episodes, as the paper's is; median of single "
+                         "trainings, least to greatest):\n\n|  |");
   for (const std::string& column : columns) text += cat(" ", cell(column), " |");
   text += "\n| --- |";
   for (std::size_t i = 0; i < columns.size(); ++i) text += " --- |";
@@ -86,9 +98,9 @@ std::string table_text(const ReproductionPage::Figure& figure) {
     for (const std::string& column : columns) {
       const auto at = std::ranges::find_if(
           figure.table, [&](const auto& value) { return value.row == row && value.column == column; });
-      text += at == figure.table.end()
-                  ? " |"
-                  : cat(" ", short_number(at->printed.value), " → ", number(at->ours), trainings_text(*at), " |");
+      text += at == figure.table.end() ? " |"
+                                       : cat(" ", printed_text(at->printed), " → ", number(at->ours),
+                                             deviation_text(*at), trainings_text(*at), " |");
     }
     text += "\n";
   }
@@ -101,24 +113,34 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   const ReproductionPage page = reproduction_page(results, command);
   std::string text = cat("# ", page.title, "\n\n", page.source, ".\n\n");
   if (!page.label.empty()) text += cat("**", page.label, "**\n\n");
+  for (const std::string& sentence : page.opening) text += cat("- ", sentence, "\n");
   text += cat(
-      "Made by `", command,
+      "\n## How to read the verdicts\n\nMade by `", command,
       "`; no number here was typed by hand. Verdicts are at 95 % over training seeds (percentile bootstrap), part by "
       "part: a claim is shown if all its parts are true throughout their intervals, refuted if one of them is true "
       "nowhere in its interval after Holm's correction for their number, else it is open, as it is from fewer than ",
       kSeedsForVerdict, " seeds. Seeds whose training diverged are left out, and named at the end. ", kMeasuredMeaning,
       "\n\n");
   if (!page.note.empty()) text += cat(page.note, "\n\n");
+  if (!page.findings.empty()) text += "## What else the data show\n\n";
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
   const std::vector<Parting> parting = partings(page);
   if (!parting.empty()) text += "\n## What is refuted or stays open, by the first reason that the data give\n\n";
   for (const auto& [why, claims] : parting) {
-    std::vector<std::string> ids;
-    for (const auto* claim : claims) ids.push_back(claim->id);
-    text += cat("- ", why, " ", counted(ids.size(), "claim", "claims"), ": ", join(ids, ", "), ".\n");
+    text += cat("- ", why, " ", counted(claims.size(), "claim", "claims"), ":\n");
+    for (const auto* claim : claims)
+      text += cat("  - ", claim->id, ": ", claim->text.substr(0, claim->text.find(" (")), ".\n");
   }
   text += "\n## How the paper can be read\n\n";
-  for (const auto& reading : page.readings) text += cat("- **", reading.name, "**: ", reading.says, "\n");
+  const std::vector<Specification> specified = specifications(page);
+  for (std::size_t r = 0; r < page.readings.size(); ++r) {
+    const auto at = std::ranges::find(specified, r, &Specification::reading);
+    text += cat("- **", page.readings[r].name, "**: ", page.readings[r].says,
+                at == specified.end() ? ""
+                                      : cat(" Of the parts of the ", counted(at->claims, "claim", "claims"),
+                                            " that it bears on ", at->true_parts, " of ", at->parts, " are true."),
+                "\n");
+  }
   const std::string& checks = results.reproduction.paper->checks;
   if (!checks.empty()) text += cat("\n## Checks from outside\n\n", checks);
   for (const auto& figure : page.figures) {

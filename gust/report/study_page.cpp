@@ -105,7 +105,7 @@ class PageWriter {
       episode.command = cell_command(episode.policy, episode.start, where);
     }
     link_margins();
-    order_starts();
+    order_starts(context.start);
     return std::move(page_);
   }
 
@@ -265,8 +265,8 @@ class PageWriter {
   }
 
   /// Puts the page's starts into the order in which they are told.
-  void order_starts() {
-    const std::vector<std::size_t> order = starts_to_tell(study_);
+  void order_starts(const std::string& first) {
+    const std::vector<std::size_t> order = starts_to_tell(study_, first);
     std::vector<std::size_t> place(order.size());
     std::vector<Page::Start> starts;
     for (std::size_t i = 0; i < order.size(); ++i) {

@@ -13,6 +13,7 @@ struct PageContext {
   std::vector<std::pair<std::string, std::string>> provenance;
   std::vector<std::string> warnings;  ///< trials that failed, with reasons
   std::vector<SweepComparison> comparisons = {};
+  std::string start = {};  ///< the name of the one that leads; empty: starts_to_tell()
 };
 
 /// The page of a study from its summary.

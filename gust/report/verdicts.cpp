@@ -331,7 +331,8 @@ std::string reading_table(const ReproductionPage& page) {
              counted(page.claims.size(), "claim", "claims"), hang == 1 ? " is" : " are",
              " shown under one reading and refuted under another. An empty place: the reading does not bear on the "
              "claim.</p>\n",
-             reading_matrix(page), readings_list(page), changing_list(page));
+             specification_curve(page), "<h3>Claim by claim</h3>\n", reading_matrix(page), readings_list(page),
+             changing_list(page));
 }
 
 std::string claim_html(const ReproductionPage& page, const ReproductionPage::Claim& claim) {

@@ -37,6 +37,23 @@ std::string partings_html(const ReproductionPage& page);
 /// All verdicts of the main reading: a cell a claim that leads to it, and how many there are of each.
 std::string verdict_picture(const ReproductionPage& page);
 
+/// What became of the claims that a reading bears on.
+struct Specification {
+  std::size_t reading = 0;
+  std::size_t claims = 0;
+  std::size_t parts = 0, true_parts = 0;
+  std::size_t shown = 0, refuted = 0;  ///< refuted: in part, too
+
+  double share() const { return static_cast<double>(true_parts) / static_cast<double>(parts); }
+};
+
+/// Of each reading that was asked anything, those with the greatest share of true parts first: a specification curve
+/// (Simonsohn, Simmons and Nelson 2020).
+std::vector<Specification> specifications(const ReproductionPage& page);
+
+/// The same as a table with bars; empty if there are none.
+std::string specification_curve(const ReproductionPage& page);
+
 /// Verdicts by reading and claim, what the readings are, and which claims change with them; empty where there is but
 /// one reading.
 std::string reading_table(const ReproductionPage& page);

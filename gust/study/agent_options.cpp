@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include "gust/core/fields.h"
 #include "gust/study/presets.h"
 
 namespace gust {
@@ -48,6 +49,12 @@ Randomisation parse_randomise(const Value& value, const Setup& setup) {
   Randomisation randomisation = read_randomisation(range->as_table(*name), spec);
   randomisation.name = *name;
   return randomisation;
+}
+
+bool parse_curve(const Value& value) {
+  std::string word;
+  read_value(word, value, "curve", one_of("nominal|training"));
+  return word == "training";
 }
 
 }  // namespace gust

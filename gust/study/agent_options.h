@@ -14,7 +14,12 @@ Made<Agent> make_agent(const Table& agent, const Setup& setup);
 
 /// The check alone, for a machine that has so many bytes.
 void check_memory(std::uint64_t needed, std::uint64_t available, const Place& place);
+
 /// "randomise": the name of a range of the setup's preset (low, mid, high), or a table as read_randomisation takes it.
 Randomisation parse_randomise(const Value& value, const Setup& setup);
+
+/// "curve": "training" where learning curves are measured on the task of the training, with its draws and disturbances;
+/// "nominal" where they are not.
+bool parse_curve(const Value& value);
 
 }  // namespace gust

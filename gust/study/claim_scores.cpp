@@ -4,10 +4,13 @@
 #include <cmath>
 #include <set>
 
+#include "gust/core/hash.h"
 #include "gust/core/text.h"
 #include "gust/eval/aggregate.h"
+#include "gust/eval/resampled_mean.h"
 #include "gust/eval/sampled_share.h"
 #include "gust/eval/statistics.h"
+#include "gust/study/margin_data.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/trials.h"
 
@@ -15,6 +18,8 @@ namespace gust {
 namespace {
 
 constexpr std::size_t kResamples = 2'000;
+constexpr std::string_view kSameEpisodes =
+    "every episode from this start is the same one; a random start would give an interval";
 
 std::vector<std::string> names_of(const auto& items) {
   std::vector<std::string> names;
@@ -50,7 +55,8 @@ std::string seeds_key(const Study& study, const StudyPolicy& policy) {
   if (steps != std::string::npos) key.erase(steps, key.find_first_of(",)", steps) - steps);
   for (const Injection& injection : policy.disturbed)
     key += cat("; ", injection.canonical(), " ", canonical_text(injection.level));
-  return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()));
+  return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()),
+             policy.curve_as_trained ? "; curve" : "");
 }
 
 /// The seeds of a policy whose trainings did not end without one.
@@ -92,9 +98,18 @@ Sampled ClaimScores::sampled(const Place& place, std::span<const double> units, 
       result.values[1 + k] = statistic(units.subspan(draws.below(units.size(), k), 1));
     return result;
   }
+  Bootstrap& bootstrap = resampling_.try_emplace(key, rng, kResamples).first->second;
+  const auto* plain = statistic.target<double (*)(std::span<const double>)>();
+  if (units.size() > Bootstrap::kMostGroups && plain != nullptr && *plain == mean && all_finite(units)) {
+    const GroupedValues grouped(units);
+    const std::size_t strata[] = {grouped.groups()};
+    bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
+      grouped.resampled_means(times, std::span(result.values).subspan(1 + first, times.lanes));
+    });
+    return result;
+  }
   const std::size_t strata[] = {units.size()};
   std::vector<double> drawn;
-  Bootstrap& bootstrap = resampling_.try_emplace(key, rng, kResamples).first->second;
   bootstrap.for_each_block(strata, [&](std::size_t first, const Rows<const std::uint16_t>& times) {
     for (std::size_t k = 0; k < times.lanes; ++k) {
       drawn.clear();
@@ -277,6 +292,13 @@ void ClaimScores::add_margin(const Place& place, const std::string& metric, Form
     curve.added_axis = {0.0};
   }
   add_levels(place, metric, curve);
+  if (view_.over_seeds != Statistic::mean || draws_one(place)) return;  // the table's margins are of the mean
+  curve.margin_data = [this, place, metric] {
+    const ClaimSource& from = *place.source;
+    const std::size_t start = index_of(from.study->starts, view_.start);
+    return MarginReader{*from.study, *from.plan, *from.store}.read({place.policy, place.sweep, start}, metric,
+                                                                   members(place));
+  };
 }
 
 void ClaimScores::add_levels(const Place& place, const std::string& metric, FormulaList& curve) const {
@@ -311,6 +333,7 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   }
   std::vector<std::string> missing;
   std::vector<Sampled> cells;
+  std::vector<float> all_units;
   for (TrialGroup group : trial_groups(*place.source->plan)) {
     if (group.policy != place.policy || group.sweep != place.sweep) continue;
     keep_in_order(place, group.trials);
@@ -320,17 +343,27 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
     const bool repeats = episodes_repeat(study, place.sweep, start);
     while (rows.next()) {
       const Matrix<double> values = rows.values(start, metric, repeats);
-      Sampled cell = sampled(place, unit_values(values.view()), over_units(place));
+      const std::vector<double> units = unit_values(values.view());
+      all_units.insert(all_units.end(), units.begin(), units.end());
+      Sampled cell = sampled(place, units, over_units(place));
       if (is_share && cell.n > 1 && !draws_one(place)) {
         const std::string key = seeds_key(study, study.policies[place.policy]);
         const Rng noise = rng_.split("shares").split(key);
         const std::string own = cat(study.name, "/", place.sweep, "/", metric, "/", cells.size());
         cell = sampled_share(std::move(cell), values.rows() * values.lanes(), noise, noise.split(own));
       }
+      const bool alone = study.policies[place.policy].kind != StudyPolicy::Kind::kTrain && cell.n == 1;
+      if (alone && repeats) cell.limit = kSameEpisodes;
       cells.push_back(std::move(cell));
     }
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
+  if (place.source->log != nullptr) {
+    const StudyPolicy& policy = study.policies[place.policy];
+    place.source->log->note({place.source->name, policy.name,
+                             place.sweep == Trial::kNominal ? "" : study.sweeps[place.sweep].name, view_.start, metric,
+                             hash_hex(seeds_key(study, policy)).substr(0, 8), cells.front().n, std::move(all_units)});
+  }
   return cells;
 }
 

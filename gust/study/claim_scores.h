@@ -8,6 +8,7 @@
 #include "gust/eval/bootstrap.h"
 #include "gust/eval/formula.h"
 #include "gust/study/member_rows.h"
+#include "gust/study/score_log.h"
 
 namespace gust {
 
@@ -16,6 +17,8 @@ struct ClaimSource {
   const Study* study = nullptr;
   const Plan* plan = nullptr;
   const Store* store = nullptr;
+  ScoreLog* log = nullptr;  ///< notes what is asked, under this name of the study
+  std::string name = {};
 };
 
 /// How claims look at scores.

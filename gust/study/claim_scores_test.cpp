@@ -150,6 +150,8 @@ TEST_CASE("the fixed start has one episode, which says nothing about others") {
 
   REQUIRE(run.summary.claims.size() == 1);
   CHECK(run.summary.claims[0].finding.verdict.ruling == Ruling::not_testable);
+  CHECK(run.summary.claims[0].finding.verdict.reason.ends_with(
+      "every episode from this start is the same one; a random start would give an interval"));
 }
 
 TEST_CASE("a grid is read row by row") {
@@ -334,9 +336,16 @@ holds = "margin(score('lqr', 'windy')) == 0"
 [[claim]]
 id = "above 0"
 holds = "margin(score('lqr', 'high')) < 25"
+[[claim]]
+id = "push"
+holds = "margin(score('lqr', 'push')) >= 5"
 )");
 
   const auto finding = [&](std::size_t claim) -> const Finding& { return run.summary.claims[claim].finding; };
+  const Margin& table = run.summary.find(0, 0, 1)->margin;
+  CHECK(finding(3).measured.low == table.level.low);
+  CHECK(finding(3).measured.high == table.level.high);
+  CHECK(finding(3).measured.n == table.level.n);
   CHECK(finding(0).verdict.ruling == Ruling::not_testable);
   CHECK(finding(0).verdict.reason == "there is no margin: it fails undisturbed: 0 % of the episodes last to the end");
   CHECK(finding(1).measured.estimate == 0.0);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "gust/study/crew.h"
+#include "gust/study/margin_data.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
 #include "gust/study/trial_check.h"
@@ -16,11 +17,6 @@ namespace gust {
 namespace {
 
 constexpr std::size_t kMostPolicies = 6;  // of which all pairs are shown
-
-/// A policy along a sweep from a start.
-struct SweepOf {
-  std::size_t policy, sweep, start;
-};
 
 /// The scores of one policy, cell after cell; empty where some are missing.
 std::vector<Matrix<double>> cells_of(const Study& study, const Plan& plan, const Store& store, const TrialGroup& group,
@@ -48,11 +44,6 @@ struct OwnedCurve {
   std::vector<Cell> cells;
 
   Curve view() const { return {levels, cells}; }
-  void insert(double level, Matrix<double> scores) {
-    const auto at = std::ranges::lower_bound(levels, level) - levels.begin();
-    levels.insert(levels.begin() + at, level);
-    values.insert(values.begin() + at, std::move(scores));
-  }
   /// To be called when all values are there.
   void show() {
     for (const Matrix<double>& cell : std::as_const(values)) cells.push_back(cell.view());
@@ -69,38 +60,17 @@ OwnedCurve curve_of(const Study& study, const Plan& plan, const Store& store, co
   return curve;
 }
 
-/// What a margin is told from: the curve with the levels that the margin asked for, and the undisturbed scores.
-struct OwnedMargin {
-  OwnedCurve curve;
-  Matrix<double> undisturbed;
-
-  MarginCells view() const { return {curve.view(), undisturbed.view()}; }
-};
-
-/// Nothing where there is no margin.
-std::optional<OwnedMargin> margin_of(const Study& study, const Plan& plan, const Store& store, const SweepOf& of,
-                                     OwnedCurve curve) {
+/// A policy's margin without what is not there: the study has the trials of some of its policies only.
+std::shared_ptr<const MarginData> margin_of(const Study& study, const Plan& plan, const Store& store,
+                                            const SweepOf& of) {
+  TrialGroup nominal{of.policy, Trial::kNominal, {}};
   for (const TrialGroup& group : trial_groups(plan)) {
-    if (group.policy != of.policy || group.sweep != Trial::kNominal) continue;
-    std::vector<std::string> missing;
-    MemberRows rows(plan, group, store, missing);
-    if (rows.members() != curve.values.front().rows() || !rows.next()) return std::nullopt;
-    if (!margin_obstacle(study, of.sweep, rows, of.start).empty()) return std::nullopt;
-    const std::string& metric = study.metric_set.name(margin_metric(study));
-    const bool repeats = episodes_repeat(study, of.sweep, of.start);
-    for (const Trial& trial : plan.trials) {
-      if (trial.kind != Trial::Kind::kMargin || trial.policy != of.policy || trial.sweep != of.sweep) continue;
-      const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
-      if (!stored || trial.inputs.size() != 2 * rows.members()) continue;
-      for_each_margin_level(*stored, [&](double level, const MemberRows& added) {
-        if (added.has(metric)) curve.insert(level, added.values(of.start, metric, repeats));
-      });
-    }
-    OwnedMargin margin{std::move(curve), rows.values(of.start, metric, repeats)};
-    margin.curve.show();
-    return margin;
+    if (group.policy == of.policy && group.sweep == Trial::kNominal) nominal = group;
   }
-  return std::nullopt;
+  std::vector<std::string> missing;
+  MemberRows rows(plan, nominal, store, missing);
+  if (rows.members() == 0 || !rows.next() || !margin_obstacle(study, of.sweep, rows, of.start).empty()) return nullptr;
+  return MarginReader{study, plan, store}.read(of, study.metric_set.name(margin_metric(study)));
 }
 
 /// Seeds of a policy that has some: trainings, or several files.
@@ -117,15 +87,13 @@ std::optional<SweepComparison> compare_along(const Study& study, const Plan& pla
   a.show();
   b.show();
   const std::size_t seeds_a = seeds_of(study, pair.a, a), seeds_b = seeds_of(study, pair.b, b);
-  const Rng rng = Rng(static_cast<std::uint64_t>(study.seed)).split("compare");
+  const Rng rng = comparison_stream(study);
   SweepComparison result{pair, sweep, compare(a.view(), b.view(), rng)};
+  result.repeats = episodes_repeat(study, sweep, pair.start);
   result.seeds = seeds_a == 0 || seeds_b == 0 ? std::max(seeds_a, seeds_b) : std::min(seeds_a, seeds_b);
   if (sweep == Trial::kNominal || !study.sweeps[sweep].along_levels() || a.levels.size() < 2) return result;
-  a.cells.clear();
-  b.cells.clear();
-  const auto margin_a = margin_of(study, plan, store, of_a, std::move(a));
-  const auto margin_b = margin_of(study, plan, store, of_b, std::move(b));
-  if (margin_a && margin_b) result.found.ratio = margin_ratio(margin_a->view(), margin_b->view(), {}, rng);
+  const auto margin_a = margin_of(study, plan, store, of_a), margin_b = margin_of(study, plan, store, of_b);
+  if (margin_a && margin_b) result.found.ratio = margin_ratio(*margin_a, *margin_b);
   return result;
 }
 
@@ -144,6 +112,9 @@ std::string SweepComparison::needed() const {
   if (seeds > 0 && seeds < kSeedsForVerdict)
     return cat(seeds, seeds == 1 ? " seed; five are needed" : " seeds; five are needed");
   if (standing(found.over.interval) != Standing::undecided) return "";
+  if (repeats && found.over.unit == Unit::none)
+    return "every episode is the same one, so more of them decide nothing; a random start would";
+  if (repeats && std::isnan(found.over.needed)) return "more seeds of both policies would decide";
   return needed_text(found.over.needed, found.over.unit);
 }
 

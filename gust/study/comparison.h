@@ -18,12 +18,14 @@ struct SweepComparison {
   std::size_t sweep = Trial::kNominal;
   Comparison found;
   std::size_t seeds = 0;  ///< the fewest of the two that has seeds; 0 if neither has
+  bool repeats = false;   ///< every episode is the same one
 
   /// Fewer than kSeedsForVerdict seeds decide nothing.
   Standing standing_of(const Interval& difference) const;
   /// How many of the levels have this standing.
   std::size_t count(Standing wanted) const;
   /// What would decide the difference over the levels: "about 40 episodes would decide"; empty where it is decided.
+  /// More episodes are never that where all are the same one.
   std::string needed() const;
 };
 

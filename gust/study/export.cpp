@@ -20,17 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "fx fz=0.5": the channels that are disturbed, with factors that are not 1.
-std::string channels_text(const Injection& injection, const PlantSpec& spec) {
-  const std::vector<Component>& channels = channels_of(injection.site, spec);
-  std::vector<std::string> parts;
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    const double factor = injection.factors[c];
-    if (factor != 0) parts.push_back(factor == 1 ? channels[c].name : cat(channels[c].name, "=", factor));
-  }
-  return join(parts, " ");
-}
-
 /// What every row of a trial has in common.
 ExportRow head_of(const Study& study, const Trial& trial) {
   const StudyPolicy& policy = study.policies[trial.policy];

@@ -61,8 +61,8 @@ struct Question {
 class Judge {
  public:
   /// Without a store all scores are 1.
-  Judge(const Reproduction& reproduction, const std::vector<Plan>& plans, const Store* store)
-      : reproduction_(reproduction), paper_(*reproduction.paper), plans_(plans), store_(store) {}
+  Judge(const Reproduction& reproduction, const std::vector<Plan>& plans, const Store* store, ScoreLog* log = nullptr)
+      : reproduction_(reproduction), paper_(*reproduction.paper), plans_(plans), store_(store), log_(log) {}
 
   /// In the order of the claims, the reading that decides first.
   std::vector<Question> questions() const {
@@ -196,7 +196,8 @@ class Judge {
     std::vector<ClaimSource> all;
     for (const std::string& name : from) {
       const std::size_t at = *reproduction_.find(reading, name);
-      all.push_back({&reproduction_.studies[at].study, store_ ? &plans_[at] : nullptr, store_});
+      all.push_back({&reproduction_.studies[at].study, store_ ? &plans_[at] : nullptr, store_, log_,
+                     reproduction_.stem(reproduction_.studies[at])});
     }
     return all;
   }
@@ -213,13 +214,15 @@ class Judge {
   const Paper& paper_;
   const std::vector<Plan>& plans_;
   const Store* store_;
+  ScoreLog* log_;
 };
 
 }  // namespace
 
 std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
-                                      const Store& store, std::size_t threads, const std::vector<std::string>& named) {
-  const Judge judge(reproduction, plans, &store);
+                                      const Store& store, std::size_t threads, const std::vector<std::string>& named,
+                                      ScoreLog* log) {
+  const Judge judge(reproduction, plans, &store, log);
   std::vector<Question> questions = judge.questions();
   std::erase_if(questions, [&](const Question& question) {
     const std::string& id = reproduction.paper->claims[question.claim].id;

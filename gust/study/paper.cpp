@@ -50,6 +50,14 @@ void check_figures(const Paper& paper, const std::vector<std::string>& names, co
   }
 }
 
+/// Checks that a name is that of a reading, or empty.
+void check_reading(const Paper& paper, const std::string& name, const Table& table) {
+  std::vector<std::string> known;
+  for (const PaperReading& reading : paper.readings) known.push_back(reading.name);
+  if (!name.empty() && std::ranges::find(known, name) == known.end())
+    throw error_at(table.place, "unknown reading '", name, "'", did_you_mean(name, known));
+}
+
 PaperProfile parse_profile(const Table& table) {
   check_keys(table, {"name", "seeds", "steps"}, "a profile");
   PaperProfile profile{required_text(table, "name", "a profile"), {}, 1.0};
@@ -62,13 +70,28 @@ PaperProfile parse_profile(const Table& table) {
   return profile;
 }
 
-PaperReading parse_reading(const Table& table) {
-  std::vector<std::string> known = {"name", "says",  "common", "settings", "figures", "instead",
-                                    "asks", "start", "median", "claims",   "printed"};
+/// What a reading takes from the one that it is like: where episodes begin, what claims ask, and which ones. Its
+/// studies are found by Reproduction::find.
+PaperReading like_another(const Table& table, const Paper& paper) {
+  PaperReading reading;
+  const std::string name = text_of(table, "like");
+  if (name.empty()) return reading;
+  check_reading(paper, name, table);
+  reading.like = paper.reading(name);
+  const PaperReading& other = paper.readings[*reading.like];
+  reading.start = other.start;
+  reading.asks = other.asks;
+  reading.claims = other.claims;
+  return reading;
+}
+
+PaperReading parse_reading(const Table& table, const Paper& paper) {
+  std::vector<std::string> known = {"name",    "says", "like",  "common", "settings", "figures", "files",
+                                    "instead", "asks", "start", "median", "claims",   "printed"};
   const std::vector<std::string> figures = texts_of(table, "figures");
   known.insert(known.end(), figures.begin(), figures.end());
   check_keys(table, known, "a reading");
-  PaperReading reading;
+  PaperReading reading = like_another(table, paper);
   for (const std::string& figure : figures) {
     if (table.contains(figure)) reading.own[figure] = texts_of(table, figure);
   }
@@ -77,26 +100,32 @@ PaperReading parse_reading(const Table& table) {
   reading.common = texts_of(table, "common");
   reading.settings = texts_of(table, "settings");
   reading.figures = figures;
-  reading.start = text_of(table, "start");
+  if (table.contains("start")) reading.start = text_of(table, "start");
   reading.median = flag_of(table, "median");
-  reading.claims = texts_of(table, "claims");
+  if (table.contains("claims")) reading.claims = texts_of(table, "claims");
   reading.printed = flag_of(table, "printed");
-  if (const Value* instead = table.find("instead")) {
-    for (const auto& [from, to] : instead->as_table("instead").items) reading.instead[from] = to.as_text(from);
-  }
+  const auto texts_by_name = [&](std::string_view key, std::map<std::string, std::string>& into) {
+    const Value* value = table.find(key);
+    if (value == nullptr) return;
+    for (const auto& [from, to] : value->as_table(key).items) into[from] = to.as_text(from);
+  };
+  texts_by_name("files", reading.files);
+  texts_by_name("instead", reading.instead);
   if (const Value* asks = table.find("asks")) {
     for (const auto& [claim, formula] : asks->as_table("asks").items) {
-      reading.asks.emplace(claim, Formula(formula.as_text(claim), formula.place));
-      reading.claims.push_back(claim);
+      reading.asks.insert_or_assign(claim, Formula(formula.as_text(claim), formula.place));
+      if (std::ranges::find(reading.claims, claim) == reading.claims.end()) reading.claims.push_back(claim);
     }
   }
   return reading;
 }
 
 PaperFigure parse_figure(const Table& table) {
-  check_keys(table, {"study", "place", "title", "says", "note", "shows", "heat", "table", "metric"}, "a figure");
+  check_keys(table, {"study", "reading", "place", "title", "says", "note", "shows", "heat", "table", "metric"},
+             "a figure");
   PaperFigure figure;
   figure.study = required_text(table, "study", "a figure");
+  figure.reading = text_of(table, "reading");
   figure.place = required_text(table, "place", "a figure");
   figure.title = required_text(table, "title", "a figure");
   figure.says = required_text(table, "says", "a figure");
@@ -117,7 +146,8 @@ PaperFigure parse_figure(const Table& table) {
 }
 
 PaperClaim parse_claim(const Table& table, const Paper& paper) {
-  check_keys(table, {"id", "figure", "from", "soft", "leads", "text", "metric", "reading", "holds", "missing"},
+  check_keys(table,
+             {"id", "figure", "from", "soft", "primary", "headline", "text", "metric", "reading", "holds", "missing"},
              "a claim");
   PaperClaim claim;
   claim.id = required_text(table, "id", "a claim");
@@ -126,14 +156,13 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
   claim.from = texts_of(table, "from");
   if (claim.from.empty()) claim.from = {claim.figure};
   claim.soft = flag_of(table, "soft");
-  claim.leads = flag_of(table, "leads");
+  claim.primary = flag_of(table, "primary");
+  claim.headline = text_of(table, "headline");
   claim.metric = text_of(table, "metric");
   claim.reading = text_of(table, "reading");
   check_figures(paper, {claim.figure}, table);
   check_figures(paper, claim.from, table);
-  if (!claim.reading.empty() &&
-      std::ranges::find(paper.readings, claim.reading, &PaperReading::name) == paper.readings.end())
-    throw error_at(table.place, "unknown reading '", claim.reading, "'");
+  check_reading(paper, claim.reading, table);
   if (const Value* holds = table.find("holds")) {
     claim.formula.emplace(holds->as_text("holds"), holds->place);
   } else {
@@ -171,9 +200,11 @@ void parse_manifest(std::string_view text, Paper& paper) {
   for_each_table(table, "profile", [&](const Table& item) { paper.profiles.push_back(parse_profile(item)); });
   for_each_table(table, "figure", [&](const Table& item) { paper.figures.push_back(parse_figure(item)); });
   for_each_table(table, "reading", [&](const Table& item) {
-    paper.readings.push_back(parse_reading(item));
+    paper.readings.push_back(parse_reading(item, paper));
     check_figures(paper, paper.readings.back().figures, item);
+    for (const auto& [study, file] : paper.readings.back().files) check_figures(paper, {study}, item);
   });
+  for (const PaperFigure& figure : paper.figures) check_reading(paper, figure.reading, table);
 }
 
 void parse_claims(std::string_view text, Paper& paper) {
@@ -205,6 +236,11 @@ bool PaperPremise::bears_on(const std::string& claim, const TruthPart& part) con
     return text.find(of) != std::string::npos;
   };
   return speaks(part.label) || speaks(part.statement);
+}
+
+std::size_t Paper::reading(std::string_view name) const {
+  const auto at = std::ranges::find(readings, name, &PaperReading::name);
+  return at == readings.end() ? 0 : static_cast<std::size_t>(at - readings.begin());
 }
 
 const PaperFigure* Paper::figure(std::string_view study) const {

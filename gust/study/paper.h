@@ -21,10 +21,12 @@ struct PaperProfile {
 struct PaperReading {
   std::string name;
   std::string says;
+  std::optional<std::size_t> like;                      ///< the one that it takes all from that it does not change
   std::vector<std::string> common;                      ///< settings of all its studies
   std::vector<std::string> settings;                    ///< further ones; "{study}" stands for a study's name
   std::map<std::string, std::vector<std::string>> own;  ///< of one study, in place of those
   std::vector<std::string> figures;                     ///< whose studies it changes; all others are the main reading's
+  std::map<std::string, std::string> files;             ///< the file of a figure's study, where it is another one
   std::map<std::string, std::string> instead;           ///< what claims ask for, and what they ask for here
   std::string start;                                    ///< where episodes begin; empty: drawn
   bool median = false;                                  ///< of the trainings in place of their mean
@@ -42,8 +44,9 @@ struct PaperMap {
 
 /// A figure or table of the paper: a study.
 struct PaperFigure {
-  std::string study;  ///< its file's name, without ".toml"
-  std::string place;  ///< in the paper: "Figure 4"
+  std::string study;    ///< its file's name, without ".toml"
+  std::string reading;  ///< the one that it is drawn under; empty: the main one
+  std::string place;    ///< in the paper: "Figure 3"
   std::string title;
   std::string says;                ///< what the paper says about it
   std::string note;                ///< what to know of ours before one reads it; may be empty
@@ -58,7 +61,8 @@ struct PaperClaim {
   std::string id;
   std::string text;
   bool soft = false;              ///< the paper itself words it softly
-  bool leads = false;             ///< what the paper leads with: the findings name it
+  bool primary = false;           ///< named before the run as what the reproduction is about
+  std::string headline;           ///< a sentence that the findings name it by; empty: they do not
   std::string figure;             ///< where it stands on the page
   std::vector<std::string> from;  ///< the studies that its scores come from
   std::string metric;             ///< of score(); empty: that of the first study's margins
@@ -100,6 +104,8 @@ struct Paper {
   std::string checks;  ///< what else agrees with the paper's authors, as Markdown; may be empty
 
   const PaperFigure* figure(std::string_view study) const;
+  /// Where a reading stands; the main one's place for an empty name.
+  std::size_t reading(std::string_view name) const;
 };
 
 /// The texts of a paper.

@@ -34,11 +34,6 @@ bool shows(const PaperFigure& figure, std::string_view part) {
 bool shows_episodes(const PaperFigure& figure) { return shows(figure, "replay") || shows(figure, "disturbances"); }
 
 /// The files of one study under one reading, without what tells them apart.
-fs::path stem_of(const Reproduction& reproduction, const ReproductionStudy& study) {
-  const Paper& paper = *reproduction.paper;
-  return fs::path(slug(paper.readings[study.reading].name)) / paper.figures[study.figure].study;
-}
-
 fs::path with(const fs::path& stem, const std::string& end) { return stem.string() + end; }
 
 std::string number_text(double value) { return std::isnan(value) ? std::string() : cat(value); }
@@ -280,7 +275,7 @@ void write_results(const PaperResults& results, const fs::path& folder) {
   for (std::size_t i = 0; i < reproduction.studies.size(); ++i) {
     const ReproductionStudy& part = reproduction.studies[i];
     const PaperFigure& figure = reproduction.paper->figures[part.figure];
-    const fs::path stem = stem_of(reproduction, part);
+    const fs::path stem = reproduction.stem(part);
     files.write(with(stem, ".csv"), cells_csv(part.study, results.summaries[i]));
     if (shows(figure, "learning"))
       files.write(with(stem, "-learning.csv"), curves_csv(part.study, results.summaries[i]));
@@ -288,6 +283,10 @@ void write_results(const PaperResults& results, const fs::path& folder) {
       files.write(with(stem, cat("-", k + 1, ".json")), kept_text(part.study, results.summaries[i].kept[k]));
   }
   files.write(kClaims, claims_csv(results));
+  if (results.scores && !results.scores->empty()) {
+    files.write("scores.csv", results.scores->index());
+    files.write("scores.f32", results.scores->values());
+  }
   write_file_atomically(folder / kDescription, hashed(description(results, files.hashes())).dump(2) + "\n");
 }
 
@@ -296,7 +295,7 @@ PaperResults read_results(const fs::path& folder) {
   ResultsReader files(folder, std::move(hashes));
   for (ReproductionStudy& part : results.reproduction.studies) {
     const PaperFigure& figure = results.reproduction.paper->figures[part.figure];
-    const fs::path stem = stem_of(results.reproduction, part);
+    const fs::path stem = results.reproduction.stem(part);
     Summary& summary = results.summaries.emplace_back();
     const fs::path cells = with(stem, ".csv");
     read_cells(files.read(cells), files.path(cells), part.study, summary);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "gust/study/reproduction.h"
 
@@ -14,6 +15,7 @@ struct PaperResults {
   std::vector<std::string> failures;                            ///< trials that did not end well, each with its reason
   std::vector<std::pair<std::string, std::string>> provenance;  ///< versions, machine, time; in order
   std::size_t missing = 0;                                      ///< trials that are still to be run
+  std::shared_ptr<ScoreLog> scores = nullptr;                   ///< that decided the claims; not read back
 
   /// What must stand wherever the numbers appear: that these are fewer steps, seeds or trials than the studies have.
   /// Empty for the full run.
@@ -29,6 +31,7 @@ struct PaperResults {
 ///
 ///   reproduction.json           which paper, profile, studies and seeds; versions, machine, time; what failed
 ///   claims.csv                  a line a claim and reading
+///   scores.csv, scores.f32      the scores of every training that a claim asked for (ScoreLog)
 ///   READING/STUDY.csv           the cells (cells_csv)
 ///   READING/STUDY-learning.csv  learning curves, of the figures that show them
 ///   READING/STUDY-N.json        episodes for the replay, of the figures that show them

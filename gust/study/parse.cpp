@@ -141,6 +141,17 @@ void parse_head(const Table& table, Study& study) {
   study.setup = make_setup(plant->as_table("plant"), readings ? &readings->as_table("readings") : nullptr);
 }
 
+/// "dynamics step(offset = 2) on fx in steps 25:50 at 0.2": all that makes it another one.
+std::string injection_text(const Injection& injection, const PlantSpec& spec) {
+  const bool all = std::ranges::all_of(injection.factors, [](double factor) { return factor == 1; });
+  const std::string& waveform = injection.waveform.canonical;
+  const std::string shape = waveform.ends_with("()") ? injection.waveform.kind : waveform;
+  const std::int64_t end = std::min(injection.end, spec.steps);
+  const bool whole = injection.start == 0 && end == spec.steps;
+  return cat(site_name(injection.site), " ", shape, all ? "" : cat(" on ", channels_text(injection, spec)),
+             whole ? "" : cat(" in steps ", injection.start, ":", end), " at ", injection.level);
+}
+
 }  // namespace
 
 std::size_t StudyPolicy::count() const {
@@ -170,18 +181,28 @@ std::string Sweep::unit(const PlantSpec& spec, std::size_t axis) const {
   return join(units, ", ");
 }
 
+std::string channels_text(const Injection& injection, const PlantSpec& spec) {
+  const std::vector<Component>& channels = channels_of(injection.site, spec);
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const double factor = injection.factors[c];
+    if (factor != 0) parts.push_back(factor == 1 ? channels[c].name : cat(channels[c].name, "=", factor));
+  }
+  return join(parts, " ");
+}
+
 std::string Sweep::setting(const PlantSpec& spec) const {
   std::vector<std::string> parts;
   for (const auto& [index, value] : parameters) parts.push_back(cat(spec.parameters[index].name, " = ", value));
-  for (const Injection& injection : disturbed)
-    parts.push_back(cat(site_name(injection.site), " ", injection.waveform.kind, " at ", injection.level));
+  for (const Injection& injection : disturbed) parts.push_back(injection_text(injection, spec));
   return join(parts, ", ");
 }
 
-std::vector<std::size_t> starts_to_tell(const Study& study) {
+std::vector<std::size_t> starts_to_tell(const Study& study, std::string_view first) {
   std::vector<std::size_t> order(study.starts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_partition(order, [&](std::size_t start) { return study.starts[start].random; });
+  std::ranges::stable_partition(order, [&](std::size_t start) { return study.starts[start].name == first; });
   return order;
 }
 

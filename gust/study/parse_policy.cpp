@@ -129,6 +129,10 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
     policy.randomised = parse_randomise(*randomise, study.setup);
     options.erase("randomise");
   }
+  if (const Value* curve = options.find("curve")) {
+    policy.curve_as_trained = parse_curve(*curve);
+    options.erase("curve");
+  }
   if (const Value* kind = options.find("kind")) agents().at(kind->as_text("kind"), kind->place);
   policy.agent = make_agent(options, study.setup);
   policy.agent->check(study.setup.plant->spec(), agent->place);

@@ -127,7 +127,8 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
   Trial trial{.kind = Trial::Kind::kTrain, .policy = policy, .member = member};
   trial.canonical =
       cat("train v", kTrainVersion, "\n", training_text(study, trained), "agent ", trained.agent.canonical, "\n",
-          injections_text(trained.disturbed), randomised_text(study, trained), "seed ", trained.seeds[member], "\n");
+          injections_text(trained.disturbed), randomised_text(study, trained),
+          trained.curve_as_trained ? "curve training\n" : "", "seed ", trained.seeds[member], "\n");
   trial.what = cat("train ", member_label(trained, member));
   if (!trained.randomised.draws.empty())
     trial.what += cat(" · randomise ", trained.randomised.label(study.setup.plant->spec()));

@@ -54,6 +54,19 @@ CurvePoints thinned(const CurvePoints& all) {
   return points;
 }
 
+/// Throws where a length is none, or a step lies before the one above it.
+void check_steps(const std::string& place, const std::string& column, double told, bool is_length,
+                 const CurvePoints& before) {
+  if (is_length && !(told > 0 && std::isfinite(told)))
+    throw Error(cat(place, ": '", column, "' is the length of an episode and must be above 0, got ", told));
+  if (is_length) return;
+  if (!(told >= 0 && std::isfinite(told)))
+    throw Error(cat(place, ": '", column, "' counts steps and must be 0 or more, got ", told));
+  if (!before.steps.empty() && told < before.steps.back())
+    throw Error(cat(place, ": '", column, "' must not fall from row to row, got ", told, " after ", before.steps.back(),
+                    "; sort the rows"));
+}
+
 }  // namespace
 
 CurvePoints read_reference_curve(std::string_view bytes, std::string_view name, const CurveColumns& columns) {
@@ -69,9 +82,10 @@ CurvePoints read_reference_curve(std::string_view bytes, std::string_view name, 
   CurvePoints points;
   double step = 0;
   for (std::size_t i = 0; i < table.size(); ++i) {
-    step = is_length ? step + table.number(i, steps) : table.number(i, steps);
-    const double value = table.number(i, score);
-    if (std::isnan(step) || std::isnan(value)) continue;
+    const double told = table.number(i, steps), value = table.number(i, score);
+    if (std::isnan(told) || std::isnan(value)) continue;
+    check_steps(table.place(i), steps, told, is_length, points);
+    step = is_length ? step + told : told;
     points.steps.push_back(step);
     points.score.push_back(is_return ? value / static_cast<double>(columns.horizon) : value);
   }

@@ -68,3 +68,25 @@ TEST_CASE("any other file needs the names of its columns, and its scores are tak
   CHECK_THROWS_WITH_AS(read_reference_curve("n;score\n10;0,5\n", "a.csv", {.steps = "n", .score = "score"}),
                        "a.csv:1:2: cells are separated by ; here: commas are needed, and points in numbers", Error);
 }
+
+TEST_CASE("lengths and steps that are none are refused with their line") {
+  const auto problem = [](const std::string& text, const std::string& name, const CurveColumns& columns) {
+    try {
+      read_reference_curve(text, name, columns);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string progress = "time/total_timesteps,rollout/ep_rew_mean\n";
+
+  CHECK(problem("r,l,t\n1,10,0\n1,-5,1\n", "monitor.csv", {.horizon = 10}) ==
+        "monitor.csv:3: 'l' is the length of an episode and must be above 0, got -5");
+  CHECK(problem("r,l,t\n1,0,0\n", "monitor.csv", {.horizon = 10}).starts_with("monitor.csv:2: 'l' is the length"));
+  CHECK(problem(progress + "2000,1\n1000,2\n", "progress.csv", {.horizon = 10}) ==
+        "progress.csv:3: 'time/total_timesteps' must not fall from row to row, got 1000 after 2000; sort the rows");
+  CHECK(problem(progress + "-1,1\n", "progress.csv", {.horizon = 10}) ==
+        "progress.csv:2: 'time/total_timesteps' counts steps and must be 0 or more, got -1");
+  CHECK(problem("n,s\n5,1\n4,1\n", "a.csv", {.steps = "n", .score = "s"}).starts_with("a.csv:3: 'n' must not fall"));
+  CHECK(problem(progress + "1000,1\n1000,2\n", "progress.csv", {.horizon = 10}).empty());
+}

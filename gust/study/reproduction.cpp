@@ -64,6 +64,12 @@ std::vector<std::string> reading_settings(const PaperReading& reading, const std
   return settings;
 }
 
+/// Whether a figure that is drawn under a reading tells margins: claims ask for the paper's grid alone.
+bool shows_margins(const Paper& paper, std::size_t figure, std::size_t reading) {
+  const PaperFigure& drawn = paper.figures[figure];
+  return paper.reading(drawn.reading) == reading && std::ranges::find(drawn.shows, "curves") != drawn.shows.end();
+}
+
 bool wanted(const ReproductionChoice& choice, const std::string& study) {
   return choice.only.empty() || std::ranges::find(choice.only, study) != choice.only.end();
 }
@@ -71,13 +77,16 @@ bool wanted(const ReproductionChoice& choice, const std::string& study) {
 }  // namespace
 
 std::optional<std::size_t> Reproduction::find(std::size_t reading, std::string_view study) const {
-  std::optional<std::size_t> found;
-  for (std::size_t i = 0; i < studies.size(); ++i) {
-    if (paper->figures[studies[i].figure].study != study) continue;
-    if (studies[i].reading == reading) return i;
-    if (studies[i].reading == 0) found = i;
-  }
-  return found;
+  const auto at = std::ranges::find_if(studies, [&](const ReproductionStudy& part) {
+    return part.reading == reading && paper->figures[part.figure].study == study;
+  });
+  if (at != studies.end()) return static_cast<std::size_t>(at - studies.begin());
+  if (reading == 0) return std::nullopt;
+  return find(paper->readings[reading].like.value_or(0), study);
+}
+
+std::string Reproduction::stem(const ReproductionStudy& study) const {
+  return cat(slug(paper->readings[study.reading].name), "/", paper->figures[study.figure].study);
 }
 
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice) {
@@ -97,14 +106,15 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       const PaperReading& reading = paper.readings[r];
       const bool changed = std::ranges::find(reading.figures, study) != reading.figures.end();
       if (!wanted(choice, study) || (r > 0 && !changed)) continue;
-      const std::string file = cat("studies/paper/", study, ".toml");
-      const std::string_view text = paper_study(study);
+      const auto other = reading.files.find(study);
+      const std::string name = other == reading.files.end() ? study : other->second;
+      const std::string file = cat("studies/paper/", name, ".toml");
+      const std::string_view text = paper_study(name);
       std::vector<std::string> settings = reading_settings(reading, study);
       const Study whole = parse_study(text, file, settings, no_files);
       reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
       std::ranges::move(profile_settings(whole, *reproduction.profile, seeds), std::back_inserter(settings));
-      if (r > 0)
-        settings.push_back("evaluate.margin_tolerance=0");  // claims ask for the paper's grid, findings for margins
+      if (r > 0 && !shows_margins(paper, f, r)) settings.push_back("evaluate.margin_tolerance=0");
       reproduction.studies.push_back({r, f, parse_study(text, file, settings, no_files)});
     }
   }

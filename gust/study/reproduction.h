@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gust/study/paper.h"
+#include "gust/study/score_log.h"
 #include "gust/study/summary.h"
 
 namespace gust {
@@ -27,9 +28,15 @@ struct Reproduction {
   std::vector<ReproductionStudy> studies;
   bool fewer_seeds = false;  ///< some training has more in its study than are to be run
 
-  /// Where a figure's study under a reading stands, which is the main one's where the reading leaves it alone; none if
-  /// it is not to be run.
+  /// Where a figure's study under a reading stands: where the reading leaves it alone, that of the reading that it is
+  /// like, or of the main one. None if it is not to be run.
   std::optional<std::size_t> find(std::size_t reading, std::string_view study) const;
+  /// Where its results lie: "scg-2022/white".
+  std::string stem(const ReproductionStudy& study) const;
+  /// The same of the study that a figure is drawn from.
+  std::optional<std::size_t> drawn(const PaperFigure& figure) const {
+    return find(paper->reading(figure.reading), figure.study);
+  }
 };
 
 /// Throws Error where the profile or a study is not known, or a study cannot be read.
@@ -59,10 +66,10 @@ struct PaperVerdict {
 
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose
 /// studies are not to be run are left out, and so are all but those named, if any are. `plans` are those of the
-/// studies. Equal data give equal bits for any number of threads.
+/// studies; `log` notes the scores that were asked for. Equal data give equal bits for any number of threads.
 std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
                                       const Store& store, std::size_t threads,
-                                      const std::vector<std::string>& named = {});
+                                      const std::vector<std::string>& named = {}, ScoreLog* log = nullptr);
 
 /// Asks every claim under every reading of data that have shapes only, so that what is wrong with one is found before
 /// any work.

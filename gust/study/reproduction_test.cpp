@@ -74,7 +74,7 @@ says = "Otherwise."
 claims = ["C2"]
 [[figure]]
 study = "white"
-place = "Figure 4"
+place = "Figure 3"
 title = "White noise"
 says = "Noise."
 )";
@@ -83,6 +83,36 @@ says = "Noise."
 
   CHECK_THROWS_WITH_AS(parse_paper({kManifest, kClaims, kTables}),
                        doctest::Contains("the reading 'other' speaks of C2, which is no claim"), Error);
+}
+
+TEST_CASE("a figure is drawn, and a reading is like one, of those that there are") {
+  constexpr std::string_view kHead = R"(
+schema = 1
+name = "p"
+title = "P"
+source = "S"
+[[profile]]
+name = "paper"
+[[reading]]
+name = "main"
+says = "As it is."
+[[reading]]
+name = "other"
+says = "Otherwise."
+)";
+  constexpr std::string_view kFigure =
+      "[[figure]]\nstudy = \"white\"\nplace = \"Figure 3\"\ntitle = \"W\"\nsays = \"N.\"\n";
+  constexpr std::string_view kClaims = "[[claim]]\nid = \"C1\"\nfigure = \"white\"\ntext = \"so\"\nholds = \"1 > 0\"\n";
+  constexpr std::string_view kTables = "table,row,column,mean,std,highlighted\n";
+  const auto parse = [&](std::string_view reading, std::string_view figure) {
+    parse_paper({cat(kHead, reading, kFigure, figure), kClaims, kTables});
+  };
+
+  CHECK_NOTHROW(parse("like = \"main\"\n", "reading = \"other\"\n"));
+  CHECK_THROWS_WITH_AS(parse("like = \"mian\"\n", ""),
+                       doctest::Contains("unknown reading 'mian'; did you mean 'main'?"), Error);
+  CHECK_THROWS_WITH_AS(parse("", "reading = \"mein\"\n"), doctest::Contains("unknown reading 'mein'"), Error);
+  CHECK_THROWS_WITH_AS(parse("files = { step = \"x\" }\n", ""), doctest::Contains("unknown study 'step'"), Error);
 }
 
 TEST_CASE("the claims of the tables hold or fail in the paper's own numbers as its authors say") {
@@ -121,7 +151,9 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   CHECK(reproduction.studies[2].study.starts[0].name == "x=0.55 theta=0.3");
   CHECK(reproduction.studies[4].study.setup.preset == "scg-default");
   CHECK(reproduction.find(1, "white") == 3);
-  CHECK(reproduction.find(5, "white") == 1);  // that reading leaves the studies alone
+  CHECK(reproduction.find(paper.reading("return / horizon"), "white") == 1);    // it leaves the studies alone
+  CHECK(reproduction.find(paper.reading("starts of training"), "white") == 3);  // it is like its authors'
+  CHECK(paper.readings[paper.reading("starts of training")].claims == paper.readings[1].claims);
   CHECK_FALSE(reproduction.find(0, "step").has_value());
   const Reproduction more = open_reproduction(paper, {.profile = "paper", .only = {"white"}, .seeds = 3});
   CHECK(more.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2, 3});

@@ -21,6 +21,7 @@ constexpr std::string_view kNotFinite = "not_finite";
 
 // What stands in the column `over` of a line that is about one training alone.
 constexpr std::string_view kOneTraining = "training";
+constexpr std::string_view kDeviation = "deviation";  // of episodes
 
 /// Nothing for what is not known.
 std::string number_text(double value) { return std::isnan(value) ? std::string() : cat(value); }
@@ -45,7 +46,8 @@ class SeriesLines {
         lines += line({cat(series_.added_levels[level]), ""}, study_.metric_set.name(metric),
                       series_.at_added(metric, level));
     }
-    for (const double value : series_.trainings) lines += training_line(value);
+    for (const double value : series_.trainings) lines += training_line(value, kOneTraining);
+    if (std::isfinite(series_.episode_deviation)) lines += training_line(series_.episode_deviation, kDeviation);
     if (series_.has_margin) lines += margin_line(series_.margin);
     if (series_.not_finite > 0) {
       const auto count = static_cast<double>(series_.not_finite);
@@ -78,9 +80,9 @@ class SeriesLines {
     return line({}, std::string(what), {level.estimate, level.low, level.high});
   }
 
-  std::string training_line(double value) const {
+  std::string training_line(double value, std::string_view over) const {
     const std::string metric = study_.metric_set.name(study_.metrics.front());
-    return any_line(levels_of(0), metric, {value, kUnknown, kUnknown}, 1, kOneTraining);
+    return any_line(levels_of(0), metric, {value, kUnknown, kUnknown}, 1, over);
   }
 
   std::string any_line(const std::pair<std::string, std::string>& levels, const std::string& metric,
@@ -196,6 +198,10 @@ class CellReader {
       if (series.sweep == Trial::kNominal || series.cells != 1 || index != study_.metrics.front())
         throw Error(cat(table_.place(line), ": a training alone where the study keeps none"));
       series.trainings.push_back(estimate.value);
+      return;
+    }
+    if (table_.text(line, "over") == kDeviation) {
+      series.episode_deviation = estimate.value;
       return;
     }
     if (is_added(line, series.sweep)) {

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "gust/study/study_fixture.h"
 
 using namespace gust;
@@ -48,6 +50,7 @@ TEST_CASE("a summary is the same after a way through its tables") {
   CHECK(summary.series.size() == before.summary.series.size());
   CHECK(summary.curves.size() == 2);
   CHECK(summary.find(2, 3, 1)->trainings == before.summary.find(2, 3, 1)->trainings);
+  CHECK(summary.find(2, 3, 1)->episode_deviation == before.summary.find(2, 3, 1)->episode_deviation);
   CHECK(cells_csv(study, summary) == cells);
   CHECK(curves_csv(study, summary) == curves);
   CHECK(margins_table(study, summary, 1, 100) == margins_table(before.study, before.summary, 1, 100));
@@ -65,6 +68,8 @@ TEST_CASE("a sweep of one cell keeps what each training alone shows") {
   CHECK(0.5 * (values[0] + values[1]) == doctest::Approx(ppo.at(metric, 0).value).epsilon(1e-14));
   CHECK(found.summary.find(2, 0, 1)->trainings.empty());  // several cells
   CHECK(found.summary.find(0, 3, 1)->trainings.empty());  // trained nothing
+  CHECK(ppo.episode_deviation > 0);
+  CHECK(std::isnan(found.summary.find(2, 0, 1)->episode_deviation));
 
   std::string cells = cells_csv(found.study, found.summary);
   const std::size_t at = cells.find("\nlqr,push,") + 1;  // a sweep of several cells

@@ -121,10 +121,15 @@ TEST_CASE("every profile of an agent says all of its options") {
   }
 }
 
-TEST_CASE("the profile scg-2022 of an agent is what it does by itself, and modern is not") {
+TEST_CASE("the profile scg-2022 of an agent is what it does by itself, but for its actor's trunk, and modern is not") {
   for (const char* name : {"ppo", "sac", "wcpg", "raac"}) {
     const Entry<Agent>& agent = agents().at(name);
-    const std::string standard = agent.make(Table{}).canonical;
+    Table options;
+    if (std::string_view(name) != "ppo") {
+      options.set("actor_trunk", {std::string("scg"), {}});
+      options.set("density", {std::string("tanh"), {}});
+    }
+    const std::string standard = agent.make(options).canonical;
 
     CHECK(agent.make(agent_profile(name, "cartpole", "scg-2022")).canonical == standard);
     CHECK(agent.make(agent_profile(name, "cartpole", "scg-default")).canonical == standard);

@@ -33,6 +33,7 @@ struct StudyPolicy {
   std::vector<std::int64_t> seeds;                          ///< kTrain
   std::vector<Injection> disturbed;                         ///< kTrain: on during training
   Randomisation randomised;                                 ///< kTrain: parameters drawn in training
+  bool curve_as_trained = false;                            ///< kTrain: its learning curve has them, and is disturbed
   std::string output;           ///< kOnnx: the output that is the action; empty: read_onnx finds it
   std::optional<double> alpha;  ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
   PolicyInterface interface;    ///< kOnnx: how it sees and acts, if not as gust does
@@ -66,11 +67,15 @@ struct Sweep {
   std::size_t cells() const;
   /// Of an axis: the parameter's, or what the disturbed channels are measured in: "N", "rad", "m, rad" of several.
   std::string unit(const PlantSpec& spec, std::size_t axis = 0) const;
-  /// What is different in all cells, for people: "pole_mass = 0.15, observation uniform at 0.05"; empty if nothing is.
+  /// What is different in all cells, with all that makes it so: "pole_mass = 0.15, dynamics step(offset = 2) on fx in
+  /// steps 25:50 at 0.2"; empty if nothing is.
   std::string setting(const PlantSpec& spec) const;
   /// Whether its one axis is the level of a disturbance.
   bool along_levels() const { return injection.has_value() && axes.size() == 1; }
 };
+
+/// "fx fz=0.5": the channels that are disturbed, with factors that are not 1.
+std::string channels_text(const Injection& injection, const PlantSpec& spec);
 
 /// A statement about the outcome, decided with an interval: a bound for one metric in one place, or a formula.
 struct StudyClaim {
@@ -124,8 +129,8 @@ struct Study {
   std::vector<std::vector<StudyPolicy::File>> found;  ///< every file that was read, by pattern, in the order of asking
 };
 
-/// The starts of a study by index, in the order in which results are told: random ones first.
-std::vector<std::size_t> starts_to_tell(const Study& study);
+/// The starts of a study by index, in the order in which results are told: the one that is named, then random ones.
+std::vector<std::size_t> starts_to_tell(const Study& study, std::string_view first = {});
 
 /// What margins are of, and score() in claims: the first leading metric that is better when higher, but not survival,
 /// which has no slope.

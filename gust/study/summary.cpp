@@ -131,8 +131,10 @@ class Summariser {
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
       found[i] = {result.estimate, result.low, result.high};
       const bool alone = series.cells == 1 && series.sweep != Trial::kNominal;
-      if (alone && metric == study_.metrics.front() && result.unit == Unit::seeds)
-        series.trainings = unit_values(values.view());
+      if (alone && metric == study_.metrics.front()) {
+        if (result.unit == Unit::seeds) series.trainings = unit_values(values.view());
+        series.episode_deviation = episode_deviation(values);
+      }
       if (metric == margin_metric_) {
         for (std::size_t m = 0; m < values.rows(); ++m) {
           series.not_finite += static_cast<std::size_t>(
@@ -143,6 +145,18 @@ class Summariser {
       series.units = series.unit == Unit::seeds ? values.rows() : values.lanes();
     }
     return found;
+  }
+
+  static double episode_deviation(const Matrix<double>& values) {
+    if (values.lanes() < 2) return std::numeric_limits<double>::quiet_NaN();
+    double sum = 0;
+    for (std::size_t m = 0; m < values.rows(); ++m) {
+      double mean = 0, squares = 0;
+      for (const double value : values.row(m)) mean += value / static_cast<double>(values.lanes());
+      for (const double value : values.row(m)) squares += (value - mean) * (value - mean);
+      sum += std::sqrt(squares / static_cast<double>(values.lanes() - 1));
+    }
+    return sum / static_cast<double>(values.rows());
   }
 
   static double mean_of(const Matrix<double>& values) {

@@ -26,6 +26,8 @@ struct Series {
   std::vector<Estimate> added_values = {};  ///< [metric][added level]
   /// Of a sweep of one cell, for the first metric that the page leads with: what each training alone would have shown.
   std::vector<double> trainings = {};
+  /// Of the same: how far the episodes of one training lie apart (standard deviation, mean over trainings).
+  double episode_deviation = std::numeric_limits<double>::quiet_NaN();
   Unit unit = Unit::none;  ///< what the intervals were resampled over
   std::size_t units = 0;
   Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only

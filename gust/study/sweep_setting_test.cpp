@@ -90,6 +90,22 @@ TEST_CASE("several parameters change together") {
         "pole_mass = 0.15000000000000002, cart_mass = 1.5");
 }
 
+TEST_CASE("the setting tells all that makes a standing disturbance another one") {
+  const auto setting = [](const std::string& more) {
+    const std::string on = "{ site = \"dynamics\", level = 2, " + more + " }";
+    const Study study = small_study({}, changed(kEnd, "[[sweep]]\nname = \"s\"\nvary = \"pole_mass\"\nscale = [1]\n" +
+                                                          ("disturb = [" + on + "]\n") + kEnd));
+    return study.sweeps.back().setting(study.setup.plant->spec());
+  };
+
+  CHECK(setting("waveform = \"white\"") == "dynamics white(std = 1) at 2");
+  CHECK(setting("waveform = \"white\", start = 5, end = 20") == "dynamics white(std = 1) in steps 5:20 at 2");
+  CHECK(setting("waveform = \"white\", start = 5").find(" in steps 5:") != std::string::npos);
+  CHECK(setting("waveform = \"white\", channels = [\"fz\"]") == "dynamics white(std = 1) on fz at 2");
+  CHECK(setting("waveform = { kind = \"sine\", frequency = 1 }") !=
+        setting("waveform = { kind = \"sine\", frequency = 2 }"));
+}
+
 TEST_CASE("what is wrong with a sweep's setting is said when the study is read") {
   const std::string sweep = "[[sweep]]\nname = \"s\"\nvary = \"pole_mass\"\nscale = [1]\n";
 

@@ -68,6 +68,19 @@ std::string in_blocks(const TextRows& rows, std::size_t labels, std::size_t colu
   return text;
 }
 
+/// The rows below one another, a line a policy, where not even one column fits beside the first two.
+std::string as_list(const TextRows& rows, std::size_t columns) {
+  std::size_t widest = 0;
+  for (std::size_t c = 2; c < rows.front().size(); ++c) widest = std::max(widest, text_width(rows.front()[c]));
+  std::string text;
+  for (std::size_t r = 1; r < rows.size(); ++r) {
+    text += cat(wrapped(cat(rows[r][0], ", ", rows[r][1]), columns), "\n");
+    for (std::size_t c = 2; c < rows[r].size(); ++c)
+      text += cat("  ", padded(rows.front()[c], widest + kGap), rows[r][c], "\n");
+  }
+  return text;
+}
+
 std::vector<std::string> margin_row(const Study& study, const Summary& summary, std::size_t s, std::size_t start) {
   const Sweep& sweep = study.sweeps[s];
   std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)),
@@ -127,7 +140,10 @@ std::string margins_table(const Study& study, const Summary& summary, std::size_
   note = wrapped(note + reasons(study, summary, start), columns);
   if (total(widths_of(rows)) <= columns) return aligned(rows) + note;
   for (auto& row : rows) row.erase(row.begin() + 1, row.begin() + 3);  // the name of the sweep has to do
-  return in_blocks(rows, 2, columns) + note;
+  const std::vector<std::size_t> widths = widths_of(rows);
+  const bool fits =
+      total(std::span(widths).first(2)) + kGap + *std::max_element(widths.begin() + 2, widths.end()) <= columns;
+  return (fits ? in_blocks(rows, 2, columns) : as_list(rows, columns)) + note;
 }
 
 std::string claims_table(const Summary& summary, std::size_t columns) {

@@ -62,7 +62,9 @@ TEST_CASE("a table of margins that is too wide names the sweep alone, then goes 
   CHECK(margins_table(study, summary, 0, 60).starts_with("sweep        unit  lqr            nothing\n"));
   CHECK(margins_table(study, summary, 0, 41).starts_with("sweep        unit  lqr            nothing\n"));
   CHECK(margins_table(study, summary, 0, 40) == blocks);
-  CHECK(margins_table(study, summary, 0, 1) == blocks);
+  CHECK(margins_table(study, summary, 0, 32) == blocks);
+  CHECK(margins_table(study, summary, 0, 31)
+            .starts_with("undisturbed, anr\n  lqr      0.9\n  nothing  0.9\npush, N\n  lqr      12.5 [10, 15]\n"));
 }
 
 TEST_CASE("why there is no margin, or the margin 0, is told once below the table") {

@@ -74,8 +74,8 @@ void write_adversaries(TrialWriter& writer, const Training& training, std::map<s
 Outcome run_train(const Study& study, const Trial& trial, const Store& store, std::stop_token stop,
                   ProgressSink& progress) {
   const StudyPolicy& policy = study.policies[trial.policy];
-  const TrainingTask task{study.setup.plant.object.get(), study.setup.readings, policy.disturbed,
-                          policy.seeds[trial.member], policy.randomised.draws};
+  const TrainingTask task{study.setup.plant.object.get(), study.setup.readings,    policy.disturbed,
+                          policy.seeds[trial.member],     policy.randomised.draws, policy.curve_as_trained};
   const std::unique_ptr<Training> training = begin_training(*policy.agent, task, store, trial.id);
   if (!train_to_end(*training, store, trial.id, stop, progress)) return {Outcome::State::stopped, ""};
 

@@ -57,7 +57,13 @@ def test_names_that_are_none_and_a_policy_against_itself_are_errors(gust, study)
         (("lqr", "none", "--start", "nomnal"), "did you mean 'nominal'?"),
     ]:
         done = gust("compare", *arguments[:2], "pair.gust", *arguments[2:], code=2)
-        assert message in done.stderr
+        assert message in done.stderr and done.stderr.count("gust:") == 1
+
+
+def test_more_episodes_decide_nothing_where_all_are_the_same_one(gust, study):
+    fixed = gust("compare", "lqr", "none", "pair.gust", "--start", "nominal").stdout
+    assert "every episode is the same one, so more of them decide nothing" in fixed
+    assert "would decide" not in fixed.replace("\n", " ")
 
 
 def test_the_page_has_the_comparison(study):

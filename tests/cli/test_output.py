@@ -4,7 +4,7 @@ import os
 import subprocess
 
 import pytest
-from conftest import PROGRAM
+from conftest import PROGRAM, ROOT, in_terminal
 
 STUDY = """
 schema = 1
@@ -177,3 +177,54 @@ def test_a_name_too_long_or_not_of_letters_is_no_internal_error(gust, ran):
     done = subprocess.run([PROGRAM, "run", b"caf\xe9.toml"], cwd=ran, capture_output=True)
     assert (done.returncode, done.stderr) == (0, b"")
     gust("report", "odd.gust")
+
+
+WIDE = """
+[[policy]]
+name = "cautious"
+kind = "lqr"
+r    = [5]
+
+[[sweep]]
+name     = "a push on the cart"
+site     = "action"
+waveform = { kind = "step", offset = 2 }
+levels   = [0, 5, 30]
+disturb  = [{ site = "dynamics", waveform = "white", level = 0.01, start = 10, end = 50 }]
+
+[[claim]]
+id    = "margin"
+text  = "The regulator tolerates a push that lasts from the second step of an episode on to its end."
+holds = "all(margin(score(p, 'a push on the cart')) >= 0.5 for p in ['lqr', 'cautious']) and min(survival('lqr'), survival('cautious')) >= 0.99"
+"""
+CATALOGUE = [("plant", "cartpole"), ("plant", "quadrotor"), ("preset", "scg-2022"), ("preset", "modern"),
+             ("distribution", "normal"), ("waveform", "scg_ramp"), ("agent", "wcpg"), ("metric", "anr"), ("site", "action")]
+RECORDINGS = ROOT / "tests/reference/traj"
+
+
+def test_what_people_read_fits_80_columns(gust, tmp_path):
+    (tmp_path / "small.toml").write_text(STUDY + SWEEP + WIDE)
+    gust("run", "small.toml")
+    commands = [line.split()[0] for line in gust("list", "commands").stdout.splitlines()]
+    told = [("list",), ("--help",), ("--help-all",), ("version",), ("plan", "small.toml"), ("preview", "small.toml"),
+            ("run", "small.toml"), ("show", "small.gust"), ("compare", "lqr", "cautious", "small.gust"),
+            ("eval", "lqr", "--plant", "quadrotor"), ("store", "pack", "small.gust", "out.pack"),
+            ("eval", "lqr", "--plant", "cartpole", "--site", "action", "--waveform", "step", "--level", 5),
+            ("plan", "paper", "--profile", "quick", "--only", "table-dr"),
+            ("validate", *sorted(RECORDINGS.glob("d_*.json")))]
+    told += [("describe", *item) for item in CATALOGUE] + [("help", command) for command in commands]
+
+    for command in told:
+        piped = gust(*command, code=None).stdout
+        shown = in_terminal([PROGRAM, "--color", "never", *map(str, command)], tmp_path, 80)
+        for line in [*piped.splitlines(), *shown.splitlines()]:
+            assert len(line) <= 80, (command[:2], line)
+
+
+@pytest.mark.parametrize("columns", [40, 60, 100])
+def test_the_margins_fit_the_terminal(gust, tmp_path, columns):
+    (tmp_path / "small.toml").write_text(STUDY + SWEEP + WIDE)
+    gust("run", "small.toml")
+    shown = in_terminal([PROGRAM, "--color", "never", "show", "small.gust"], tmp_path, columns)
+    assert "cautious" in shown
+    assert all(len(line) <= columns for line in shown.splitlines()), shown

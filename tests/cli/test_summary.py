@@ -110,6 +110,6 @@ levels   = [0, 0.1, 0.3]
 
     assert shown.index("random start") < shown.index("nominal start")
     lines = [line.split("  ") for line in shown.splitlines()]
-    units = {line[0]: [part.strip() for part in line if part] for line in lines if len(line) > 3}
+    units = {line[0]: [part.strip() for part in line if part] for line in lines if len(line) > 2}
     assert "rad" in units["tilt"] and "N" in units["push"]
     assert "m, m/s, rad, rad/s" in units["observation triangle"]

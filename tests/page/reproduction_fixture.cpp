@@ -122,29 +122,30 @@ ReproductionPage reproduction_page() {
   page.title = "Robustness of policies, measured again";
   page.source = "A. Author and B. Author, “A paper that was invented for a test”, Journal of Fixtures 1 (2026), 1–12.";
   page.label = "Miniature: two seeds and short trainings. It shows that everything runs; it decides nothing.";
-  page.findings = {"Of the twelve claims four hold and three fail.",
-                   "What the paper says about white noise stands; its ranking under impulses does not.",
-                   "One claim hangs on what the paper leaves open."};
+  page.opening = {"Of the twelve claims four hold and three fail.",
+                  "What the paper says about white noise stands; its ranking under impulses does not.",
+                  "One claim hangs on what the paper leaves open."};
+  page.findings = {"Where nothing disturbs, everybody holds out."};
   page.warnings = {"One trial of 64 diverged and is missing."};
   page.readings = {{"scg-2022", "The simulator as it was when the paper was written: the pole starts upright."},
                    {"scg-default", "The simulator's defaults of today: random starts."},
                    {"saturate before", "Actions saturate before the disturbance is added, not after."}};
   for (std::size_t number = 1; number <= 12; ++number) page.claims.push_back(claim(number));
-  ReproductionPage::Figure learning{"learning", "Figure 2", "Training without disturbance"};
+  ReproductionPage::Figure learning{"learning", "Figure 1", "Training without disturbance"};
   learning.says = "Vanilla agents learn fast; the robust ones take longer and end at the same return.";
   learning.claims = {"C1", "C2"};
   learning.shows = {"learning"};
   learning.page = learning_page(demo);
-  ReproductionPage::Figure injected{"injected", "Figure 3", "The disturbances"};
+  ReproductionPage::Figure injected{"injected", "Figure 2", "The disturbances"};
   injected.says = "What is injected, in words.";
   injected.shows = {"disturbances", "replay"};
   injected.page = injected_page(demo);
-  ReproductionPage::Figure white{"white", "Figure 4", "White noise"};
+  ReproductionPage::Figure white{"white", "Figure 3", "White noise"};
   white.says = "The return falls linearly at the dynamics site and hardly at the others.";
   white.claims = {"C3", "C4", "C5", "C6"};
   white.shows = {"curves", "survival"};
   white.page = waveform_page(demo, "white", "white noise");
-  ReproductionPage::Figure plant{"plant", "Figure 11", "Two varying disturbances"};
+  ReproductionPage::Figure plant{"plant", "Figure 8", "Two varying disturbances"};
   plant.says = "Length matters more than mass.";
   plant.claims = {"C7", "C8", "C9"};
   plant.shows = {"parameters", "grids", "replay"};  // there is no episode: no replay

@@ -14,7 +14,7 @@ old
 
 ![What became of each claim](docs/reproduction.png)
 """
-FOUND = "# Reproduced\n\n**Not the full run: 2 known trials are still to be run.**\n\n- One.\n- Two.\n- Three.\n\n## Table\n"
+FOUND = "# Reproduced\n\n**Not the full run: 2 known trials are still to be run.**\n\n- One.\n- Two.\n- Three.\n- Four.\n- Five.\n- Six.\n- Seven.\n\n## Table\n"
 FILES = ["claims.csv", "scg-2022/white.csv", "scg-2022/white-1.json"]
 
 
@@ -52,8 +52,8 @@ def test_what_the_description_names_is_kept_and_nothing_else(tree):
     assert set(files(tree / "gust/results/paper")) == {*FILES, "reproduction.json", "policies/ppo.onnx"}
     assert (tree / "gust/docs/reproduce.md").read_text() == FOUND
     assert (tree / "gust/README.md").read_text() == README.replace(
-        "old\n", "One. Two. Not the full run: 2 known trials are still to be run. What is missing counts as not testable.\n\n"
-        "- Three.\n")
+        "old\n", "One. Not the full run: 2 known trials are still to be run. What is missing counts as not testable.\n\n"
+        "- Two.\n- Three.\n- Four.\n- Five.\n- Six.\n")
 
 
 @pytest.mark.parametrize(("path", "text", "message"), [

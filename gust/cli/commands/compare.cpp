@@ -23,8 +23,7 @@ std::size_t policy_of(const Study& study, const std::string& name) {
     if (study.policies[p].name == name) return p;
     known.push_back(study.policies[p].name);
   }
-  throw Error(
-      cat("gust: the study has no policy '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
+  throw Error(cat("the study has no policy '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
 }
 
 std::size_t start_of(const Study& study, const std::string& name) {
@@ -34,8 +33,7 @@ std::size_t start_of(const Study& study, const std::string& name) {
     if (study.starts[s].name == name) return s;
     known.push_back(study.starts[s].name);
   }
-  throw Error(
-      cat("gust: the study has no start '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
+  throw Error(cat("the study has no start '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
 }
 
 std::string_view standing_name(Standing standing) {
@@ -142,7 +140,7 @@ int compare_command(const Options& options) {
   const OpenStudy open = open_study(options.folder);
   const PolicyPair pair{policy_of(open.study, options.a), policy_of(open.study, options.b),
                         start_of(open.study, options.start)};
-  if (pair.a == pair.b) throw Error(cat("gust: '", options.a, "' is compared with itself; name two policies"));
+  if (pair.a == pair.b) throw Error(cat("'", options.a, "' is compared with itself; name two policies"));
   const std::vector<SweepComparison> found = compare_policies(open.study, open.plan, *open.store, pair);
   Plan theirs = open.plan;
   std::erase_if(theirs.trials, [&](const Trial& trial) { return trial.policy != pair.a && trial.policy != pair.b; });

@@ -6,9 +6,11 @@
 #include <set>
 
 #include "gust/cli/command.h"
+#include "gust/cli/help_format.h"
 #include "gust/cli/progress_text.h"
 #include "gust/cli/reproduction_command.h"
 #include "gust/cli/study_command.h"
+#include "gust/core/text.h"
 #include "gust/study/warnings.h"
 
 namespace gust {
@@ -64,8 +66,9 @@ class PlanTeller {
                        {"done", done},
                        {"seconds", trial.seconds}});
     } else {
-      print_lines(fmt::format("{:<7}  {:>7.1f} s  {:<62}  {}\n", done ? "done" : "missing", trial.seconds, trial.id,
-                              printable(what)));
+      const std::string head = fmt::format("{:<7}  {:>7.1f} s  ", done ? "done" : "missing", trial.seconds);
+      const std::size_t room = text_columns() - std::min(text_columns() - 1, head.size());
+      print_lines(cat(head, wrapped(printable(what), room, head.size()), "\n"));
     }
   }
 

@@ -73,7 +73,8 @@ PaperResults judged(Reproduction reproduction, const std::vector<RunOutcome>& ou
   PaperResults results{std::move(reproduction), {}, {}, complaints(outcomes), provenance(), still_to_run(outcomes)};
   std::vector<Plan> plans;
   for (const RunOutcome& outcome : outcomes) plans.push_back(outcome.plan);
-  results.verdicts = judge_paper(results.reproduction, plans, store, threads, named);
+  results.scores = std::make_shared<ScoreLog>();
+  results.verdicts = judge_paper(results.reproduction, plans, store, threads, named, results.scores.get());
   return results;
 }
 
@@ -108,6 +109,12 @@ std::string left_out_text(const PaperResults& results) {
   return parts.empty() ? "" : cat("Not asked: ", join(parts, "; "), " (--only).");
 }
 
+/// A text that is wrapped in the columns beside the head of its line.
+std::string beside(const std::string& head, const std::string& text, std::size_t columns) {
+  const std::size_t indent = text_width(head);
+  return cat(head, wrapped(text, columns - std::min(columns - 1, indent), indent));
+}
+
 /// A verdict with every part: what became of it, by how much it is true, and what its names stand for.
 std::string parts_text(const Paper& paper, const PaperVerdict& verdict, std::size_t columns) {
   std::string text = cat(paper.readings[verdict.reading].name, ": ", grade_name(verdict.grade()), ", ",
@@ -128,7 +135,8 @@ std::string parts_text(const Paper& paper, const PaperVerdict& verdict, std::siz
                                     : part.ruling == Ruling::fails ? "refuted"
                                     : part.is_true                 ? "open, true"
                                                                    : "open, false";
-    text += fmt::format("    {:<12} {:<28} {}\n", ruling, interval_text(margin), part.label);
+    const std::string head = fmt::format("    {:<12} {:<28} ", ruling, interval_text(margin));
+    text += cat(beside(head, part.label, columns), "\n");
   }
   return text;
 }
@@ -136,7 +144,7 @@ std::string parts_text(const Paper& paper, const PaperVerdict& verdict, std::siz
 /// Claims with all their parts, under the reading that decides and the others.
 std::string claims_text(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
-  const std::size_t columns = terminal_columns(STDOUT_FILENO, 100);
+  const std::size_t columns = terminal_columns(STDOUT_FILENO, kUsualColumns);
   std::string text;
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const std::vector<const PaperVerdict*> on = results.on(c);
@@ -156,22 +164,26 @@ std::string claims_text(const PaperResults& results) {
 
 std::string verdicts_text(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
-  const std::size_t columns = terminal_columns(STDOUT_FILENO, std::string::npos);
+  const std::size_t columns = terminal_columns(STDOUT_FILENO, kUsualColumns);
   std::string text;
-  if (const std::string label = results.label(); !label.empty()) text += cat(label, "\n\n");
+  if (const std::string label = results.label(); !label.empty()) text += cat(wrapped(label, columns), "\n\n");
   for (std::size_t c = 0; c < paper.claims.size(); ++c) {
     const std::vector<const PaperVerdict*> on = results.on(c);
     if (on.empty()) continue;
     const auto same =
         std::ranges::count_if(on, [&](const PaperVerdict* verdict) { return verdict->grade() == on.front()->grade(); });
-    const std::string line = fmt::format("{:<4} {:<15} {:>2}/{:<2}  {}", paper.claims[c].id, grade_text(*on.front()),
-                                         same, on.size(), paper.claims[c].text);
-    text += cat(fitted(line, columns), "\n");
+    const std::string head =
+        fmt::format("{:<4} {:<15} {:>2}/{:<2}  ", paper.claims[c].id, grade_text(*on.front()), same, on.size());
+    text += cat(beside(head, paper.claims[c].text, columns), "\n");
   }
   if (!results.verdicts.empty())
-    text += "\nThe second column: under how many of the readings that bear on it the verdict is the same.\n\n";
-  if (const std::string left_out = left_out_text(results); !left_out.empty()) text += cat(left_out, "\n\n");
-  for (const std::string& sentence : findings(results)) text += cat(sentence, "\n");
+    text += cat(
+        "\n",
+        wrapped("The second column: under how many of the readings that bear on it the verdict is the same.", columns),
+        "\n\n");
+  if (const std::string left_out = left_out_text(results); !left_out.empty())
+    text += cat(wrapped(left_out, columns), "\n\n");
+  for (const std::string& sentence : opening_findings(results)) text += cat(wrapped(sentence, columns), "\n");
   return text;
 }
 
@@ -188,6 +200,13 @@ Json parts_json(const PaperVerdict& verdict) {
                      {"low", number(part.margin.low)},
                      {"high", number(part.margin.high)}});
   return parts;
+}
+
+Json all_findings(const PaperResults& results) {
+  if (results.summaries.empty()) return Json::array();
+  Findings found = findings(results);
+  std::ranges::move(found.further, std::back_inserter(found.opening));
+  return found.opening;
 }
 
 std::string verdicts_json(const PaperResults& results) {
@@ -212,7 +231,7 @@ std::string verdicts_json(const PaperResults& results) {
               {"profile", results.reproduction.profile->name},
               {"label", results.label()},
               {"missing", results.missing},
-              {"findings", results.summaries.empty() ? Json::array() : Json(findings(results))},
+              {"findings", all_findings(results)},
               {"claims", claims},
               {"failures", results.failures}}
       .dump(2, ' ', false, Json::error_handler_t::replace);

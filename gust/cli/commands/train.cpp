@@ -19,7 +19,9 @@ constexpr const char* kAbout =
     "The path of the file is what is printed; progress goes to stderr. Stopped with Ctrl-C or killed, the same command "
     "goes on where it was and gives the same file. --set takes options of the agent (gust describe agent AGENT), then "
     "readings and options of the plant; profile=modern chooses another set of the agent's options than the preset's, "
-    "randomise=mid a range of parameters that the preset names.";
+    "randomise=mid a range of parameters that the preset names, and curve=training measures the learning curve on "
+    "them, "
+    "too.";
 
 int train(const TrainRequest& request) {
   SignalWatch signals;

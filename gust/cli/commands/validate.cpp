@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gust/cli/command.h"
+#include "gust/cli/help_format.h"
 #include "gust/core/text.h"
 #include "gust/study/files.h"
 
@@ -46,22 +47,19 @@ Recording load_recording(const std::string& file) {
 
 std::string error_text(double error) { return error == 0 ? "0" : format("{:.1e}", error); }
 
+constexpr std::size_t kNames = 13;  // columns before the errors of the states
+
 /// One cell a state.
-std::string state_cells(const std::vector<WorstError>& errors, const PlantSpec& spec) {
-  std::string cells;
-  for (std::size_t i = 0; i < spec.state.size(); ++i) {
-    cells += fmt::format("  {:<9}", errors.empty() ? "-" : error_text(errors[i].error));
-  }
-  return cells;
+std::string state_line(std::string_view name, const std::vector<WorstError>& errors) {
+  std::string line = fmt::format("{:<{}}", name, kNames);
+  for (const WorstError& worst : errors) line += fmt::format("  {:<9}", error_text(worst.error));
+  return line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
 }
 
-std::string head_of(const PlantSpec& spec, std::size_t name_width) {
-  std::string names;
+std::string head_of(const PlantSpec& spec) {
+  std::string names(kNames, ' ');
   for (const Component& state : spec.state) names += fmt::format("  {:<9}", state.name);
-  const std::size_t width = 11 * spec.state.size();
-  return fmt::format("{:<{}}  {:<{}}  closed loop\n", "", name_width, "one step", width - 2) +
-         fmt::format("{:<{}}{}{}  {:<8}  {:<8}  {:<8}  flags   verdict\n", "recording", name_width, names, names,
-                     "applied", "reward", "sq_err");
+  return names.substr(0, names.find_last_not_of(' ') + 1) + "\n";
 }
 
 /// What was not judged, and what was taken for granted; empty if nothing was.
@@ -86,28 +84,28 @@ std::string verdict_of(const Checked& checked) {
 
 std::string part_text(bool judged, const WorstError& worst) { return judged ? error_text(worst.error) : "-"; }
 
-std::string line_of(const Checked& checked, std::size_t name_width) {
+/// A line with the verdict, and the errors below it.
+std::string text_of(const Checked& checked) {
   const Validation& result = checked.result;
-  const PlantSpec& spec = checked.recording.plant->spec();
-  const bool any = result.judged > 0;
-  const char* const flags = !any || !result.parts.flags() ? "-     " : result.flags_differ == 0 ? "equal " : "differ";
-  return fmt::format("{:<{}}{}{}  {:<8}  {:<8}  {:<8}  {}  {}\n", printable(checked.recording.name), name_width,
-                     state_cells(any ? result.one_step : std::vector<WorstError>(), spec),
-                     state_cells(any ? result.closed_loop : std::vector<WorstError>(), spec),
-                     part_text(any && result.parts.applied, result.applied),
-                     part_text(any && result.parts.reward, result.reward),
-                     part_text(any && result.parts.squared_error, result.squared_error), flags, verdict_of(checked));
+  const std::string name = printable(checked.recording.name);
+  std::string text = cat(wrapped(cat(name, "  ", verdict_of(checked)), text_columns() - 2, 2), "\n");
+  if (result.judged == 0) return text;
+  text += state_line("  one step", result.one_step);
+  if (!result.closed_loop.empty()) text += state_line("  closed loop", result.closed_loop);
+  const char* const flags = !result.parts.flags() ? "-" : result.flags_differ == 0 ? "equal" : "differ";
+  return text + fmt::format("  applied {}, reward {}, sq_err {}, flags {}\n",
+                            part_text(result.parts.applied, result.applied),
+                            part_text(result.parts.reward, result.reward),
+                            part_text(result.parts.squared_error, result.squared_error), flags);
 }
 
 void print_table(const std::vector<Checked>& all) {
-  std::size_t width = 9;
-  for (const Checked& checked : all) width = std::max(width, printable(checked.recording.name).size());
   std::string head;
   for (const Checked& checked : all) {
-    const std::string own = head_of(checked.recording.plant->spec(), width);
+    const std::string own = head_of(checked.recording.plant->spec());
     if (own != head) fmt::print("{}", own);
     head = own;
-    print_lines(line_of(checked, width));
+    print_lines(text_of(checked));
   }
 }
 
