@@ -42,8 +42,6 @@ bool is_of_kind(const fs::path& file, OutputKind kind) {
       return head.starts_with(std::string_view("SQLite format 3\0", 16)) && has(head, "CREATE TABLE episodes");
     case OutputKind::onnx:
       return has(read_file(file, kOnnxBytes), "gust.version");
-    case OutputKind::checkpoint:
-      return head.size() >= 64 && head.find_first_not_of("0123456789abcdef") >= 64;
     case OutputKind::pack:
       return head.starts_with("gust pack ");
     case OutputKind::page:
@@ -53,7 +51,7 @@ bool is_of_kind(const fs::path& file, OutputKind kind) {
 }
 
 std::string_view name_of(OutputKind kind) {
-  static constexpr std::string_view kNames[] = {"table", "SQLite table", "policy", "checkpoint", "pack", "page"};
+  static constexpr std::string_view kNames[] = {"table", "SQLite table", "policy", "pack", "page"};
   return kNames[static_cast<int>(kind)];
 }
 

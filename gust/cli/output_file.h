@@ -6,7 +6,7 @@
 namespace gust {
 
 /// What a command writes where the user says.
-enum class OutputKind { csv, sqlite, onnx, checkpoint, pack, page };
+enum class OutputKind { csv, sqlite, onnx, pack, page };
 
 /// Throws Error, which begins with `named`, unless a file of this kind may be written there: over nothing, over an
 /// empty file, or over what gust wrote as the same kind; over anything else if `force`. Never into a store, and never

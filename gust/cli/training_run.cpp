@@ -63,7 +63,6 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   if (!out_.ends_with(".onnx")) throw Error(cat("--out: '", out_, "' must end in .onnx"));
   check_output(out_, OutputKind::onnx, "--out", request.force);
   if (is_stream(out_)) throw Error(cat("--out: '", out_, "' is no regular file; choose another"));
-  check_output(checkpoint_, OutputKind::checkpoint, "--out", request.force);
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
   agent_ = make_agent(settings.agent, setup_);

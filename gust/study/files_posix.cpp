@@ -17,6 +17,20 @@ bool is_unknown_call(int error) {
   return error == EINVAL || error == ENOTSUP || error == EOPNOTSUPP || error == ENOSYS;
 }
 
+/// Makes a folder and those above it, each synced into its parent.
+std::error_code make_and_sync(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  const std::filesystem::path parent = folder.parent_path();
+  if (parent != folder) error = make_and_sync(parent);
+  if (error) return error;
+  std::filesystem::create_directory(folder, error);  // false if another process was faster, which is no error
+  if (error) return error;
+  const Descriptor above(::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (above) sync_file(above, parent);  // one that may be written but not read is left to itself
+  return {};
+}
+
 }  // namespace
 
 void Descriptor::close() {
@@ -77,15 +91,9 @@ void sync_folder(const std::filesystem::path& folder) {
 }
 
 void make_folders(const std::filesystem::path& folder) {
-  std::error_code error;
-  if (folder.empty() || std::filesystem::is_directory(folder, error)) return;
-  const std::filesystem::path parent = folder.parent_path();
-  if (parent != folder) make_folders(parent);
-  std::filesystem::create_directory(folder, error);  // false if another process was faster, which is no error
+  std::error_code error = make_and_sync(folder);
   if (error == std::errc::file_exists) error = std::make_error_code(std::errc::not_a_directory);
   if (error) throw Error(cat(folder.string(), ": cannot make the folder: ", error.message()));
-  const Descriptor above(::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (above) sync_file(above, parent);  // one that may be written but not read is left to itself
 }
 
 Descriptor lock_file(const std::filesystem::path& path, bool wait, const std::filesystem::path& named) {

@@ -102,13 +102,9 @@ def test_force_replaces_a_file_but_no_part_of_results(folder, kind):
         assert contents(folder) == before
 
 
-def test_an_empty_file_is_replaced_and_a_checkpoint_of_another_kind_is_not(folder):
+def test_an_empty_file_is_replaced(folder):
     (folder / "empty.csv").touch()
     gust(folder, "export", "out", "--csv", "empty.csv")
-
-    (folder / "new.onnx.checkpoint").write_text("my own notes\n")
-    assert "checkpoint" in gust(folder, *TRAIN, "new.onnx", code=2)
-    assert (folder / "new.onnx.checkpoint").read_text() == "my own notes\n"
 
 
 def test_two_tables_under_two_names_of_one_file_are_refused(folder):

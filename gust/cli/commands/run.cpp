@@ -59,7 +59,7 @@ int run(const Options& options) {
   warn_of_plain_products();
   const std::size_t threads = thread_count(options.threads);
   std::error_code unknown;
-  if (std::filesystem::exists(folder.path(), unknown)) check_output(folder.report(), OutputKind::page, "--out");
+  if (std::filesystem::exists(folder.report(), unknown)) check_output(folder.report(), OutputKind::page, "--out");
   folder.keep(study, {options.study, options.settings});
   const Store store(folder.store(), Store::Access::write, tell);
   tell_plan(plan_with_store(study, store), store, threads);
