@@ -240,18 +240,13 @@ void count_noise(const PaperMap& map, const Study& study, const std::vector<Esti
   }
 }
 
-/// Over the maps of the first figure that has some, from random starts or from that of the tests.
-NoiseCount training_noise(const PaperResults& results, bool random) {
+/// Over the maps of a figure's study, from random starts or from the one that is none.
+NoiseCount training_noise(const PaperResults& results, const PaperFigure& figure, std::size_t at, bool random) {
   NoiseCount count;
   std::set<std::string> asked;
-  const std::vector<PaperFigure>& figures = results.reproduction.paper->figures;
-  const auto figure = std::ranges::find_if(
-      figures, [&](const PaperFigure& each) { return !each.maps.empty() && results.reproduction.drawn(each); });
-  if (figure == figures.end()) return count;
-  const std::size_t at = *results.reproduction.drawn(*figure);
   const Study& study = results.reproduction.studies[at].study;
   const auto start = std::ranges::find(study.starts, random, &StartProtocol::random);
-  for (const PaperMap& map : figure->maps) {
+  for (const PaperMap& map : figure.maps) {
     const std::vector<Estimate> cells =
         map_cells(map, study, results.summaries[at], study.metric_set.index("anr_h", {}),
                   static_cast<std::size_t>(start - study.starts.begin()));
@@ -260,28 +255,37 @@ NoiseCount training_noise(const PaperResults& results, bool random) {
   return count;
 }
 
+std::string counts_text(const NoiseCount& count) {
+  return cat(count.better, " of ", count.levels, " levels (clearly at ", count.apart, ", clearly worse at ",
+             count.worse_apart, ")");
+}
+
 double mean_of(const std::vector<double>& values) { return aggregate(Statistic::mean, values); }
 
 }  // namespace
 
 std::string training_noise_sentence(const PaperResults& results) {
-  const NoiseCount tested = training_noise(results, false), near = training_noise(results, true);
-  if (tested.levels == 0) return "";
-  const auto counts = [](const NoiseCount& count) {
-    return cat(count.better, " of ", count.levels, " levels (beyond both intervals at ", count.apart, ", the lower at ",
-               count.worse_apart, ")");
-  };
-  std::string text = cat(
-      "Trained with the noise of the test, policies have the higher return over the horizon than trained without at ",
-      counts(tested), " from the paper's start, and at ", counts(near), " from starts like those of the training");
-  if (2 * tested.better < tested.levels && 2 * near.better > near.levels) {
-    text += fmt::format(
-        ": as printed from the one, reversed from the others, for noise in training narrows the starts that a policy "
-        "holds "
-        "(undisturbed {:.2f} from the paper's and {:.2f} from the others; trained without noise {:.2f} and {:.2f})",
-        mean_of(tested.noisy), mean_of(near.noisy), mean_of(tested.clean), mean_of(near.clean));
-  }
-  return text + ".";
+  const Reproduction& reproduction = results.reproduction;
+  const auto figure = std::ranges::find_if(reproduction.paper->figures, [&](const PaperFigure& each) {
+    return !each.maps.empty() && reproduction.drawn(each);
+  });
+  if (figure == reproduction.paper->figures.end()) return "";
+  const std::size_t drawn = *reproduction.drawn(*figure), main = *reproduction.find(0, figure->study);
+  const NoiseCount tested = training_noise(results, *figure, drawn, false),
+                   near = training_noise(results, *figure, drawn, true),
+                   other = training_noise(results, *figure, main, true);
+  if (tested.levels == 0 || near.levels == 0) return "";
+  const std::string& name = reproduction.paper->readings.front().name;
+  const bool reversed = 2 * tested.better < tested.levels && 2 * other.better > other.levels;
+  return cat(
+      "Trained with the noise of the test, policies have more return over the horizon than trained without at ",
+      counts_text(tested), " from the start of the paper's tests, and at ", counts_text(near),
+      " from starts like those of the training",
+      drawn == main ? "" : cat("; under ", name, ", on its own levels, at ", counts_text(other)),
+      reversed ? ": as printed under the author's settings, the reverse under the others" : "",
+      fmt::format(". Undisturbed they average {:.2f} from the one start and {:.2f} from the others, those trained "
+                  "without noise {:.2f} and {:.2f}.",
+                  mean_of(tested.noisy), mean_of(near.noisy), mean_of(tested.clean), mean_of(near.clean)));
 }
 
 std::vector<std::string> measured_findings(const PaperResults& results) {
