@@ -6,7 +6,9 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <mutex>
+#include <optional>
 #include <string_view>
+#include <system_error>
 #include <thread>
 
 #include "gust/cli/command.h"
@@ -97,7 +99,11 @@ class Display {
 }  // namespace
 
 void show_progress(const Progress& progress, const std::function<void()>& work) {
-  const Display display(progress);
+  std::optional<Display> display;
+  try {
+    display.emplace(progress);
+  } catch (const std::system_error&) {  // no thread for it: the work goes on unseen
+  }
   work();
 }
 

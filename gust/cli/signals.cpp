@@ -8,6 +8,7 @@
 
 #include <array>
 #include <string>
+#include <system_error>
 
 #include "gust/cli/command.h"
 #include "gust/core/error.h"
@@ -38,11 +39,35 @@ SignalWatch::SignalWatch() : exit_code_(kDone) {
   GUST_CHECK(pthread_sigmask(SIG_BLOCK, &set, nullptr) == 0);
   const int signals = signalfd(-1, &set, SFD_CLOEXEC);
   end_ = eventfd(0, EFD_CLOEXEC);
-  GUST_CHECK(signals >= 0 && end_ >= 0);
-  thread_ = std::jthread([this, signals] { watch(signals, end_); });
+  try {
+    if (signals >= 0 && end_ >= 0) thread_ = std::jthread([this, signals] { watch(signals, end_); });
+  } catch (const std::system_error&) {
+  }
+  if (thread_.joinable()) return;
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // no thread or descriptor is left: a signal ends the program at once
+  if (signals >= 0) ::close(signals);
+}
+
+void end_at_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int signal) { ::_exit(code_of(static_cast<std::uint32_t>(signal))); };
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction before {};
+    if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_DFL)
+      ::sigaction(signal, &action, nullptr);
+  }
+}
+
+void leave_signals_to_others() {
+  const sigset_t set = watched_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
 }
 
 SignalWatch::~SignalWatch() {
+  if (!thread_.joinable()) {
+    if (end_ >= 0) ::close(end_);
+    return;
+  }
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = ::write(end_, &one, sizeof one);
   thread_.join();

@@ -8,6 +8,8 @@ namespace gust {
 
 /// Turns SIGINT and SIGTERM into a request to stop, as long as it lives. A second signal ends the program at once.
 ///
+/// Where no thread can be had for it, they end the program at once.
+///
 /// Make it before any other thread: the signals are blocked in this thread and those that it starts, and taken by a
 /// thread of its own, so no code runs inside a signal handler.
 class SignalWatch {
@@ -29,5 +31,11 @@ class SignalWatch {
   int end_ = -1;  ///< an event that ends the thread
   std::jthread thread_;
 };
+
+/// From now on SIGINT and SIGTERM end the program at once with kInterrupted and kTerminated, where nobody ignores them.
+void end_at_signals();
+
+/// Blocks both in this thread, so that they come to the others.
+void leave_signals_to_others();
 
 }  // namespace gust

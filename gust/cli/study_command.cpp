@@ -13,6 +13,8 @@
 #include <thread>
 
 #include "gust/cli/command.h"
+#include "gust/cli/output_file.h"
+#include "gust/cli/progress_text.h"
 #include "gust/core/text.h"
 #include "gust/core/version.h"
 #include "gust/study/files.h"
@@ -69,7 +71,7 @@ std::string run_command(const StudyFolder& folder, const Study& study) {
 
 OpenStudy open_study(const std::string& path) {
   StudyFolder folder{std::filesystem::path(path)};
-  Study study = folder.open();
+  Study study = folder.open(tell);
   auto store = std::make_unique<Store>(folder.store(), Store::Access::read, tell);
   Plan plan = plan_with_store(study, *store);
   return {std::move(folder), std::move(study), std::move(plan), std::move(store)};
@@ -79,6 +81,21 @@ int tell_missing(const Summary& summary) {
   for (const std::string& note : summary.notes) tell(cat("warning: ", note));
   for (const std::string& missing : summary.missing) tell(cat("not in the store: ", missing));
   return summary.missing.empty() ? kDone : kTrialFailed;
+}
+
+void tell_plan(const Plan& plan, const Store& store, std::size_t threads) {
+  std::size_t missing = 0;
+  double seconds = 0, longest = 0;
+  for (const Trial& trial : plan.trials) {
+    if (store.has(kind_name(trial.kind), trial.id)) continue;
+    ++missing;
+    seconds += trial.seconds;
+    longest = std::max(longest, trial.seconds);
+  }
+  const double together = std::max(longest, seconds / static_cast<double>(threads));
+  if (isatty(STDERR_FILENO) != 0 || together < kWorthTelling) return;
+  tell(cat(missing, " trials to run, about ", clock_text(together), " on ", threads,
+           threads == 1 ? " thread" : " threads"));
 }
 
 std::size_t thread_count(std::size_t asked) {
@@ -149,6 +166,7 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
                         {"root seed", cat(study.seed)},
                         {"machine", machine()},
                         {"made", now_text()}};
+  check_output(folder.report(), OutputKind::page, "page");
   write_file_atomically(folder.report(), render_page(study_page(study, summary, context)));
   return folder.report().string();
 }

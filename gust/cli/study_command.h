@@ -33,6 +33,12 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
 /// Tells what is wrong with policies and what the store lacks; the exit code is of what it lacks.
 int tell_missing(const Summary& summary);
 
+/// Says at once what a run is going to do and how long it takes, where no terminal shows it and it takes long.
+void tell_plan(const Plan& plan, const Store& store, std::size_t threads);
+
+/// Seconds from which on it is worth telling.
+inline constexpr double kWorthTelling = 30;
+
 /// Threads to use: --threads, else GUST_THREADS, else all cores.
 std::size_t thread_count(std::size_t asked);
 

@@ -4,6 +4,17 @@
 
 using namespace gust;
 
+TEST_CASE("a message quotes at most 200 characters, and has no longer word") {
+  const std::string x(200, 'x'), quoted = "'a b c" + std::string(500, ' ') + "'";
+
+  CHECK(shortened("f.toml:1:2: unknown key '" + x + "'; it's long") ==
+        "f.toml:1:2: unknown key '" + x + "'; it's long");
+  CHECK(shortened("'" + x + "yz' is") == "'" + x + "...' is");
+  CHECK(shortened(x + "yz is") == x + "... is");
+  CHECK(shortened(quoted) == quoted.substr(0, 201) + "...'");
+  CHECK(shortened("\u00e4" + x).ends_with("x..."));
+}
+
 TEST_CASE("control characters are told, not sent, in ASCII and in UTF-8") {
   CHECK(printable("a\x1b[2Jb\r\n\x7f") == "a\\x1b[2Jb\\x0d\\x0a\\x7f");
   CHECK(printable("\xc2\x9b"

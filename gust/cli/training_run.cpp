@@ -4,13 +4,16 @@
 #include <chrono>
 #include <filesystem>
 
+#include "gust/cli/output_file.h"
 #include "gust/cli/settings.h"
+#include "gust/cli/text_output.h"
 #include "gust/core/hash.h"
 #include "gust/core/version.h"
 #include "gust/nn/onnx.h"
 #include "gust/study/agent_options.h"
 #include "gust/study/checkpoint.h"
 #include "gust/study/files.h"
+#include "gust/study/training_time.h"
 #include "gust/study/warnings.h"
 
 namespace gust {
@@ -58,7 +61,7 @@ Settings read_settings(const TrainRequest& request) {
 TrainingRun::TrainingRun(const TrainRequest& request)
     : out_(request.out), checkpoint_(request.out + ".checkpoint"), seed_(request.seed) {
   if (!out_.ends_with(".onnx")) throw Error(cat("--out: '", out_, "' must end in .onnx"));
-  check_folder_of(out_, "--out");
+  check_output(out_, OutputKind::onnx, "--out", request.force);
   if (is_stream(out_)) throw Error(cat("--out: '", out_, "' is no regular file; choose another"));
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
@@ -70,6 +73,7 @@ TrainingRun::TrainingRun(const TrainRequest& request)
       hash_hex(cat("gust ", kVersion, "\n", agent_.canonical, "\n", setup_.preset, "\n", setup_.plant.canonical, "\n",
                    canonical_fields(setup_.readings), "\nseed ", seed_, drawn.empty() ? "" : "\nrandomise ", drawn,
                    settings.curve_as_trained ? "\ncurve training" : ""));
+  remove_left_aside(checkpoint_);
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
   training_ = agent_->start(
       {setup_.plant.object.get(), setup_.readings, {}, seed_, randomised_.draws, settings.curve_as_trained});
@@ -92,11 +96,18 @@ TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::functio
     tell(static_cast<double>(steps()) / static_cast<double>(total_steps()));
   }
   const bool failed = !training_->failure().empty();
-  if (!failed) write_policy();
+  try {
+    if (!failed) write_policy();
+  } catch (const Error&) {
+    keep();
+    throw;
+  }
   std::error_code ignored;
   std::filesystem::remove(checkpoint_, ignored);
   return failed ? End::failed : End::done;
 }
+
+double TrainingRun::predicted_seconds() const { return training_seconds(*agent_.object, setup_.plant->spec()); }
 
 double TrainingRun::last_score() const {
   const std::vector<CurvePoint>& curve = training_->curve();
@@ -107,7 +118,7 @@ double TrainingRun::last_score() const {
 void TrainingRun::resume() {
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(checkpoint_, unknown)) return;
-  const std::string bytes = read_file(checkpoint_);
+  const std::string bytes = read_file(checkpoint_, std::size_t{4} << 30);
   const std::size_t head = identity_.size() + 32;  // whose it is, and the hash of what follows
   if (bytes.size() < head || bytes.substr(0, identity_.size()) != identity_) return;
   const std::string state = bytes.substr(head);
@@ -116,7 +127,11 @@ void TrainingRun::resume() {
 
 void TrainingRun::keep() const {
   const std::string state = training_->save();
-  write_file_atomically(checkpoint_, identity_ + hash_hex(state) + state);
+  try {
+    write_file_atomically(checkpoint_, identity_ + hash_hex(state) + state);
+  } catch (const Error& error) {
+    tell(cat("warning: no checkpoint: ", error.what()));
+  }
 }
 
 void TrainingRun::write_policy() const {

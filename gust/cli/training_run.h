@@ -21,6 +21,7 @@ struct TrainRequest {
   std::int64_t seed = 1;
   std::vector<std::string> settings;  ///< key=value: of the agent, the readings or the plant
   std::string out;
+  bool force = false;  ///< replace what is no policy of gust
 };
 
 /// One training whose policy becomes a file. While it runs its state is kept in OUT.checkpoint, so that a run that was
@@ -39,6 +40,8 @@ class TrainingRun {
   std::vector<std::string> warnings() const;
   std::int64_t steps() const { return training_->steps(); }
   std::int64_t total_steps() const { return training_->total_steps(); }
+  /// On one core, guessed.
+  double predicted_seconds() const;
   const std::string& failure() const { return training_->failure(); }
   /// Return over horizon of the last point of the learning curve; NaN if there is none.
   double last_score() const;

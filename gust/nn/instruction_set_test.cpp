@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <libxsmm.h>
 
 #include <bit>
 #include <cstdio>
@@ -9,13 +10,14 @@
 #include "gust/core/hash.h"
 #include "gust/core/rng.h"
 #include "gust/nn/initialise.h"
+#include "gust/nn/product.h"
 #include "gust/nn/trained_mlp.h"
 
 using namespace gust;
 
 namespace {
 
-constexpr char kChild[] = "GUST_PRINT_NETWORK_BITS";
+constexpr char kChild[] = "GUST_PRINT_NETWORK_BITS";  // compiled for the processor that it names
 
 /// Trains a network a little and hashes everything that came out on the way.
 std::string trained_bits(const MlpShape& shape) {
@@ -69,10 +71,10 @@ std::string all_bits() {
   return bits;
 }
 
-/// What this test program prints when libxsmm is told to compile for another processor.
-std::string bits_for(const std::string& target) {
-  const std::string command = "LIBXSMM_TARGET=" + target + " " + kChild +
-                              "=1 /proc/$PPID/exe --no-version=true --test-case='*instructions libxsmm*'";
+/// What this test program prints in another environment.
+std::string bits_in(const std::string& environment, const std::string& target = "") {
+  const std::string command = environment + " " + kChild + "='" + target +
+                              "' /proc/$PPID/exe --no-version=true --test-case='*instructions libxsmm*'";
   std::FILE* output = popen(command.c_str(), "r");
   REQUIRE(output != nullptr);
   std::string text;
@@ -85,16 +87,21 @@ std::string bits_for(const std::string& target) {
 }  // namespace
 
 TEST_CASE("networks train to the same bits whatever instructions libxsmm may use") {
-  if (std::getenv(kChild) != nullptr) {
+  if (const char* target = std::getenv(kChild)) {
+    REQUIRE(products_are_compiled());
+    if (*target != '\0') libxsmm_set_target_arch(target);
     std::printf("bits:%s\n", all_bits().c_str());
     return;
   }
 
   const std::string here = all_bits();
 
-  CHECK(bits_for("hsw") == here);
+  CHECK(bits_in("", "hsw") == here);
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq")) {
-    CHECK(bits_for("skx") == here);
-    CHECK(bits_for("cpx") == here);
+    CHECK(bits_in("", "skx") == here);
+    CHECK(bits_in("", "cpx") == here);
   }
+  CHECK(bits_in("", "snb") != here);  // two roundings: what must not happen
+  for (const char* target : {"0", "1", "sse3", "wsm", "snb", "hsw", "skx", "nonsense"})
+    CHECK(bits_in(std::string("LIBXSMM_TARGET=") + target) == here);
 }

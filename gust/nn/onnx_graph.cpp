@@ -14,7 +14,8 @@
 namespace gust {
 namespace {
 
-constexpr std::int64_t kOldestOpset = 7;  // since then values broadcast as they do today
+constexpr std::int64_t kNewestOpset = 30;  // operators of later ones may mean something else
+constexpr std::int64_t kOldestOpset = 7;   // since then values broadcast as they do today
 
 std::string describe(const onnx::NodeProto& node) {
   const std::string& name = !node.name().empty() || node.output_size() == 0 ? node.name() : node.output(0);
@@ -89,6 +90,7 @@ void GraphReader::check_opset() {
     if (set.domain().empty() || set.domain() == "ai.onnx") out_.opset = std::max(out_.opset, set.version());
   }
   if (out_.opset == 0) fail("names no opset of ai.onnx; it is not an ONNX model, or it is cut short");
+  if (out_.opset > kNewestOpset) fail(cat("is of opset ", out_.opset, "; the newest that is known is ", kNewestOpset));
   if (out_.opset < kOldestOpset) {
     fail(cat("is of opset ", out_.opset, "; opset ", kOldestOpset,
              " or later is needed (onnx.version_converter can convert it)"));

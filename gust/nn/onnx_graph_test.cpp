@@ -155,13 +155,16 @@ TEST_CASE("a fixed batch is kept apart from the observation") {
   CHECK(graph.input_dims == OnnxDims{kOnnxBatch, 3});
 }
 
-TEST_CASE("opset 7 is the oldest, and a file without one is no model") {
+TEST_CASE("opset 7 is the oldest, 30 the newest, and a file without one is no model") {
   OnnxFixture file = two_nodes();
   file.model.mutable_opset_import(0)->set_version(7);
   CHECK(refusal(file) == "");
 
   file.model.mutable_opset_import(0)->set_version(6);
   CHECK(refusal(file).find("is of opset 6; opset 7 or later is needed") != std::string::npos);
+
+  file.model.mutable_opset_import(0)->set_version(9999);
+  CHECK(refusal(file).find("is of opset 9999; the newest that is known is 30") != std::string::npos);
 
   file.model.mutable_opset_import(0)->set_domain("ai.onnx.ml");
   CHECK(refusal(file).find("names no opset") != std::string::npos);

@@ -14,7 +14,8 @@ OnnxLowering::OnnxLowering(OnnxGraph graph) : graph_(std::move(graph)) {}
 
 OnnxProgram OnnxLowering::program() {
   values_[graph_.input] = {.dims = graph_.input_dims, .constant = nullptr, .buffer = add_buffer(graph_.input_dims)};
-  for (auto& [name, tensor] : graph_.constants) values_[name] = {.dims = tensor.dims, .constant = &tensor, .buffer = 0};
+  for (auto& [name, tensor] : graph_.constants)
+    values_[name] = {.dims = tensor.dims, .constant = &tensor, .buffer = 0, .literal = true};
   for (const OnnxNode& node : graph_.nodes) {
     node_ = &node;
     lower_node();

@@ -23,8 +23,9 @@ struct OnnxValue {
   OnnxDims dims;
   const OnnxTensor* constant = nullptr;  ///< lives as long as the lowering
   std::size_t buffer = 0;
-  bool whole = false;  ///< a buffer of integers in the file, held as floats
-  bool truth = false;  ///< a buffer of truths in the file, held as 1 and 0
+  bool whole = false;    ///< a buffer of integers in the file, held as floats
+  bool literal = false;  ///< a constant that stands in the file: its -1 is no batch
+  bool truth = false;    ///< a buffer of truths in the file, held as 1 and 0
 
   bool integral() const { return constant != nullptr ? constant->integral : whole; }
   bool is_truth() const { return constant != nullptr ? constant->truths : truth; }

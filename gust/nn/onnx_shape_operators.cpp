@@ -106,7 +106,9 @@ void lower_constant(OnnxLowering& at) {
   } else {
     at.fail("has no value, or one that is neither numbers nor integers");
   }
-  at.set_output(0, at.constant(std::move(tensor)));
+  OnnxValue value = at.constant(std::move(tensor));
+  value.literal = true;
+  at.set_output(0, value);
 }
 
 void lower_flatten(OnnxLowering& at) {
@@ -166,6 +168,9 @@ std::size_t batch_place(const OnnxLowering& at, const OnnxDims& dims, std::int64
 void lower_reshape(OnnxLowering& at) {
   const OnnxValue& from = at.input(0);
   OnnxDims dims = with_copied_sizes(at, from.dims, at.integers(1, "shape"));
+  const bool literal = at.has_input(1) && at.input(1).literal;
+  if (literal && std::ranges::count(at.integers(1, "shape"), -1) > 1)
+    at.fail("asks for a shape that is none: two of its sizes are -1");
   if (dims.size() > static_cast<std::size_t>(kOnnxRank)) at.fail("asks for a shape of too many dimensions");
   const auto batch = std::find(from.dims.begin(), from.dims.end(), kOnnxBatch);
   if (batch == from.dims.end()) {

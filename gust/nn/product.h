@@ -12,6 +12,10 @@ struct ProductShape {
   bool accumulate = false;
 };
 
+/// Whether products of floats are compiled for this machine. They are not where memory may not be executed, as under
+/// systemd's MemoryDenyWriteExecute; then the plain code runs, to the same bits. Nothing of the environment decides it.
+bool products_are_compiled();
+
 /// One small matrix product, compiled for its shape and for this machine when it is made.
 ///
 /// Every element of C is one chain of fused multiply-adds in ascending k that starts at zero, or at the old element.

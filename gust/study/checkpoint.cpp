@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 // the bytes.
 constexpr std::string_view kMagic = "gust checkpoint 1\n";
 constexpr std::size_t kHashDigits = 32;
+constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // a replay buffer is the greatest part
 
 fs::path folder_of_checkpoints(const Store& store) { return store.folder() / "checkpoints"; }
 
@@ -50,7 +51,12 @@ std::optional<std::string> load_checkpoint(const Store& store, std::string_view 
   const fs::path path = path_of(store, id);
   std::error_code error;
   if (!fs::exists(path, error)) return std::nullopt;
-  const std::string whole = read_file(path);
+  std::string whole;
+  try {
+    whole = read_file(path, kMostBytes);
+  } catch (const Error&) {  // as good as none: the training begins anew
+    return std::nullopt;
+  }
   std::string_view rest = whole;
   if (!rest.starts_with(kMagic)) return std::nullopt;
   rest.remove_prefix(kMagic.size());

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <exception>
 #include <numeric>
-#include <thread>
 
+#include "gust/study/crew.h"
 #include "gust/study/margin_data.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
+#include "gust/study/trial_check.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -142,21 +143,16 @@ std::vector<SweepComparison> compare_pairs(const Study& study, const Plan& plan,
   std::vector<std::optional<SweepComparison>> found(pairs.size() * width);
   std::vector<std::exception_ptr> errors(found.size());
   std::atomic<std::size_t> next = 0;
-  {
-    std::vector<std::jthread> workers;
-    for (std::size_t t = 0; t < std::max<std::size_t>(threads, 1); ++t) {
-      workers.emplace_back([&] {
-        for (std::size_t i = next++; i < found.size(); i = next++) {
-          try {
-            found[i] =
-                compare_along(study, plan, store, pairs[i / width], i % width == 0 ? Trial::kNominal : i % width - 1);
-          } catch (...) {
-            errors[i] = std::current_exception();
-          }
-        }
-      });
+  run_crew(threads, [&] {
+    for (std::size_t i = next++; i < found.size(); i = next++) {
+      try {
+        found[i] =
+            compare_along(study, plan, store, pairs[i / width], i % width == 0 ? Trial::kNominal : i % width - 1);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
     }
-  }
+  });
   std::vector<SweepComparison> result;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (errors[i]) std::rethrow_exception(errors[i]);

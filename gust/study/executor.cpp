@@ -6,9 +6,9 @@
 #include <mutex>
 #include <new>
 #include <set>
-#include <thread>
 
 #include "gust/core/error.h"
+#include "gust/study/crew.h"
 
 namespace gust {
 namespace {
@@ -45,12 +45,27 @@ class Queue {
     }
   }
 
-  /// What each thread does: takes jobs until none is left that could be begun.
+  /// What each thread does: takes jobs until none is left that could be begun. If it cannot go on, for want of memory,
+  /// the others stop as well.
   void work(const std::stop_token& stop) {
+    try {
+      take_jobs(stop);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      broken_ = true;
+      changed_.notify_all();
+      throw;
+    }
+  }
+
+  std::vector<Outcome> outcomes() && { return std::move(outcomes_); }
+
+ private:
+  void take_jobs(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     while (true) {
-      changed_.wait(lock, stop, [&] { return !ready_.empty() || settled_ == jobs_.size(); });
-      if (stop.stop_requested() || ready_.empty()) return;
+      changed_.wait(lock, stop, [&] { return !ready_.empty() || settled_ == jobs_.size() || broken_; });
+      if (stop.stop_requested() || ready_.empty() || broken_) return;
       const std::size_t job = *ready_.begin();
       ready_.erase(ready_.begin());
       lock.unlock();
@@ -62,9 +77,6 @@ class Queue {
     }
   }
 
-  std::vector<Outcome> outcomes() && { return std::move(outcomes_); }
-
- private:
   /// Notes how a job ended and what that means for those that wait for it. The lock is held.
   void settle(std::size_t job, Outcome outcome) {
     outcomes_[job] = std::move(outcome);
@@ -100,6 +112,7 @@ class Queue {
   std::set<std::size_t> ready_;
   std::vector<bool> is_settled_;
   std::size_t settled_ = 0;
+  bool broken_ = false;  ///< a thread had to give up
   std::vector<Outcome> outcomes_;
 };
 
@@ -136,11 +149,7 @@ void Progress::finish(std::size_t job) { entries_.at(job).finished = true; }
 std::vector<Outcome> run_jobs(std::span<const Job> jobs, std::size_t threads, std::stop_token stop, Progress& progress,
                               const std::function<void(std::size_t, const Outcome&)>& finished) {
   Queue queue(jobs, progress, finished);
-  {
-    std::vector<std::jthread> crew;
-    for (std::size_t i = 1; i < std::min(threads, jobs.size()); ++i) crew.emplace_back([&] { queue.work(stop); });
-    queue.work(stop);  // this thread is the first of them
-  }
+  run_crew(std::min(threads, jobs.size()), [&] { queue.work(stop); });
   return std::move(queue).outcomes();
 }
 

@@ -12,6 +12,7 @@
 #include "gust/study/files.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/rows.h"
+#include "gust/study/trial_check.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -75,12 +76,16 @@ void export_cell(const RowsHeader& header, std::span<const double> values, Expor
 
 void export_trial(const Study& study, const Trial& trial, const StoredTrial& stored, const TakeRow& take) {
   std::ifstream stream = stored.open(kRowsFile);
-  RowsReader rows(stream, trial.id);
+  RowsReader rows(stream, (stored.folder / kRowsFile).string());
   ExportRow row = head_of(study, trial);
-  for (std::size_t cell = 0; cell < rows.header().cells; ++cell) {
-    const std::span<const double> values = rows.next();
-    set_levels(study, trial, cell, row);
-    export_cell(rows.header(), values, row, take);
+  try {
+    for (std::size_t cell = 0; cell < rows.header().cells; ++cell) {
+      const std::span<const double> values = rows.next();
+      set_levels(study, trial, cell, row);
+      export_cell(rows.header(), values, row, take);
+    }
+  } catch (const Error& error) {
+    throw Error(cat(error.what(), Store::remedy(stored.folder.parent_path().parent_path())));
   }
 }
 
@@ -105,7 +110,8 @@ void export_margin(const Study& study, const Plan& plan, const Trial& trial, con
 /// with the object.
 class AsideFile {
  public:
-  explicit AsideFile(const fs::path& file) : file_(link_target(file)), path_(file_.string() + ".part") {
+  explicit AsideFile(const fs::path& file)
+      : file_(link_target(file)), path_(file_.parent_path() / cat(".", file_.filename().string(), ".part")) {
     if (is_stream(file_)) throw Error(cat(file.string(), ": is no regular file"));
     std::error_code error;
     fs::remove(path_, error);
@@ -167,9 +173,9 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
   database.prepare("INSERT INTO learning VALUES (?,?,?,?,?,?,?,?,?,?)");
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kTrain) continue;
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     if (!stored) continue;
-    for (const CurvePoint& point : read_curve(stored->read(kCurveFile), trial.id)) {
+    for (const CurvePoint& point : read_curve(stored->read(kCurveFile), kCurveFile)) {
       database.bind(1, study.policies[trial.policy].name);
       database.bind(2, study.policies[trial.policy].seeds[trial.member]);
       database.bind(3, point.steps);
@@ -190,15 +196,11 @@ std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& pla
   bool any = false;
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
     const Trial& trial = plan.trials[i];
-    if (trial.kind != Trial::Kind::kEvaluate && trial.kind != Trial::Kind::kMargin) continue;
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     any = any || (stored && trial.kind == Trial::Kind::kEvaluate);
-    if (!stored)
-      missing.push_back(i);
-    else if (trial.kind == Trial::Kind::kMargin)
-      export_margin(study, plan, trial, *stored, take);
-    else
-      export_trial(study, trial, *stored, take);
+    if (!stored) missing.push_back(i);
+    if (stored && trial.kind == Trial::Kind::kMargin) export_margin(study, plan, trial, *stored, take);
+    if (stored && trial.kind == Trial::Kind::kEvaluate) export_trial(study, trial, *stored, take);
   }
   if (any) return missing;
   throw Error(cat("'", plan.trials[missing.front()].what, "' is not in the store; run the study first (gust run)"));
@@ -229,6 +231,7 @@ std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, con
     database.execute(
         "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, return_mean REAL, return_std REAL, "
         "length_mean REAL, anr REAL, anr_h REAL, rmse_scg REAL, protagonist_steps INTEGER)");
+    database.execute("CREATE TABLE missing (trial TEXT)");
     database.prepare("INSERT INTO episodes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     missing = for_each_export_row(study, plan, store, [&](const ExportRow& row) {
       int column = 0;
@@ -243,6 +246,11 @@ std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, con
       database.insert();
     });
     insert_learning(database, study, plan, store);
+    database.prepare("INSERT INTO missing VALUES (?)");
+    for (const std::size_t trial : missing) {
+      database.bind(1, plan.trials[trial].what);
+      database.insert();
+    }
     database.execute("COMMIT");
   }
   aside.replace();

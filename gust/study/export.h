@@ -29,8 +29,8 @@ inline constexpr std::string_view kExportHead =
     "value";
 
 /// Hands over every row of every finished evaluation in plan order, and of the levels that margins asked for. A grid
-/// names both axes in `vary`, joined by "*". Returns the trials that the store lacks, by their places in the plan; an
-/// Error if it lacks them all.
+/// names both axes in `vary`, joined by "*". Returns the trials of every kind that the store lacks, by their places in
+/// the plan; an Error if it lacks all evaluations.
 std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& plan, const Store& store,
                                              const std::function<void(const ExportRow&)>& take);
 
@@ -38,7 +38,8 @@ std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& pla
 std::vector<std::size_t> export_csv(const Study& study, const Plan& plan, const Store& store,
                                     const std::filesystem::path& file);
 
-/// The same and the learning curves as tables `episodes` and `learning` of an SQLite file, which is replaced.
+/// The same, the learning curves and the names of what is missing as tables `episodes`, `learning` and `missing` of an
+/// SQLite file, which is replaced.
 std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, const Store& store,
                                        const std::filesystem::path& file);
 

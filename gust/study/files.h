@@ -9,9 +9,12 @@
 
 namespace gust {
 
-/// The content of a file. Throws an Error that names the file and says why it cannot be read. No file of ours is longer
-/// than a gigabyte; the limit is against /dev/zero and the like.
-std::string read_file(const std::filesystem::path& path, std::size_t most = std::size_t{1} << 30);
+/// The longest text file of ours: manifests, curves, tables. Kinds with a limit of their own name it.
+inline constexpr std::size_t kTextBytes = std::size_t{64} << 20;
+
+/// The content of a file. Throws an Error that names the file and says why it cannot be read. What is longer than
+/// `most` is refused before it is read; pipes and sockets, which could keep a reader waiting, are refused too.
+std::string read_file(const std::filesystem::path& path, std::size_t most = kTextBytes);
 
 /// What may be written in place of a path: where its links end, whether anything is there or not. A link of /proc, as
 /// /dev/stdout is one, is not followed: what it stands for is open already, and need not have a name.
@@ -48,6 +51,9 @@ class AtomicFile {
   std::string buffer_;
 };
 
+/// Removes what a killed program left of an AtomicFile, unless another is just writing it.
+void remove_left_aside(const std::filesystem::path& file);
+
 /// Replaces a file by these bytes; see AtomicFile.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
@@ -57,7 +63,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 /// part
 /// `**` is this folder and all below it, but no hidden ones and none behind a link. A pattern without any of these
 /// gives the path itself, whether it is there or not; one that nothing matches gives an empty list. An Error if `**` is
-/// only a piece of a part.
+/// only a piece of a part, and if too many match.
 std::vector<std::filesystem::path> glob_files(const std::filesystem::path& base, std::string_view pattern);
 
 }  // namespace gust

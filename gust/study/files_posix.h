@@ -27,11 +27,25 @@ class Descriptor {
   int number_;
 };
 
+/// What a system call refused, with the errno.
+struct FileError : Error {
+  FileError(const std::string& text, int number) : Error(text), code(number) {}
+
+  /// Whether it says what lies there, and not that the machine could not look: descriptors or memory ran out, a disk
+  /// failed.
+  bool is_about_file() const;
+
+  int code;
+};
+
 /// "path: what: reason", with the reason that the last system call gave in errno.
-Error file_error(const std::filesystem::path& path, std::string_view what);
+FileError file_error(const std::filesystem::path& path, std::string_view what);
 
 /// Opens a file; an Error if that fails. The flags are those of open(2).
 Descriptor open_file(const std::filesystem::path& path, int flags);
+
+/// Opens a file to read it, without waiting for anybody: what is a pipe, a socket or a folder is an Error.
+Descriptor open_to_read(const std::filesystem::path& path);
 
 void write_all(const Descriptor& file, std::string_view bytes, const std::filesystem::path& path);
 

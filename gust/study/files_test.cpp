@@ -125,6 +125,16 @@ TEST_CASE("errors name the file and the reason") {
         "/dev/full: cannot write: No space left on device");
 }
 
+TEST_CASE("a pipe keeps neither readers nor writers waiting") {
+  const TestFolder folder;
+  const fs::path pipe = folder / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+
+  CHECK(message_of([&] { read_file(pipe); }) == pipe.string() + ": cannot read: it is a pipe; give a regular file");
+  CHECK(message_of([&] { write_file_atomically(pipe, "x"); }) ==
+        pipe.string() + ": cannot write: nobody reads from this pipe");
+}
+
 TEST_CASE("a pattern names files sorted by their bytes, relative to the base") {
   const TestFolder folder;
   for (const char* name : {"p/b.onnx", "p/a.onnx", "p/B.onnx", "p/.hidden.onnx", "p/c.txt", "q/a.onnx"}) {

@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "gust/core/hash.h"
+#include "gust/core/text.h"
 #include "gust/study/files.h"
 #include "gust/study/policy_files.h"
+#include "gust/study/store_check.h"
 
 namespace gust {
 namespace {
@@ -17,6 +19,10 @@ using Json = nlohmann::json;
 constexpr const char* kStudyFile = "study.toml";
 constexpr const char* kInputsFile = "inputs.json";
 constexpr const char* kInputsFolder = "inputs";
+constexpr int kDeepest = 8;                                  // of inputs.json
+constexpr std::size_t kStudyBytes = std::size_t{1} << 20;    // what parse_study takes
+constexpr std::size_t kInputsBytes = std::size_t{16} << 20;  // thousands of files
+constexpr std::size_t kFoundBytes = std::size_t{1} << 30;    // of all policy files together
 
 struct KeptFile {
   std::string path;                              ///< as the study's pattern found it
@@ -27,14 +33,39 @@ struct KeptFile {
 struct KeptInputs {
   RunInputs run;
   std::vector<std::vector<KeptFile>> patterns;  ///< in the order in which the parser asks
+  std::string text_hash = {};                   ///< of the study's text; empty in folders of earlier versions
+  std::string readings = {};                    ///< plant and readings as the run understood them
 };
+
+/// What a study says of the plant and its readings, with all defaults.
+std::string readings_text(const Study& study) {
+  return cat(study.setup.plant.canonical, "; ", canonical_fields(study.setup.readings));
+}
+
+/// The same object with the hash of its content.
+Json hashed(Json json) {
+  json.erase("hash");
+  const std::string hash = hash_hex(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  json["hash"] = hash;
+  return json;
+}
+
+Error changed(const fs::path& file) {
+  return Error(cat(file.string(),
+                   ": is not what the run wrote: it was edited, or a run was cut off; 'gust run STUDY --out ",
+                   shell_word(file.parent_path().string()), "' writes it again"));
+}
 
 KeptInputs read_inputs(const fs::path& folder) {
   const fs::path path = folder / kInputsFile;
-  const std::string bytes = read_file(path);
+  const std::string bytes = read_file(path, kInputsBytes);
   try {
-    const Json json = Json::parse(bytes);
+    // What is nested deeper than ours is dropped, for writing JSON out again recurses; then the hash differs.
+    const Json json = Json::parse(bytes, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; });
     KeptInputs inputs{{json.value("study", kStudyFile), json.at("settings")}, {}};
+    if (json.contains("hash") && json != hashed(json)) throw changed(path);
+    inputs.text_hash = json.contains("hash") ? json.at("text") : Json("");
+    inputs.readings = json.value("readings", "");
     for (const Json& found : json.at("files")) {
       std::vector<KeptFile>& files = inputs.patterns.emplace_back();
       for (const Json& file : found) {
@@ -51,7 +82,7 @@ KeptInputs read_inputs(const fs::path& folder) {
 /// The copy of what a study used, if it is still what it was.
 std::string read_copy(const fs::path& folder, const std::string& hash) {
   const fs::path path = folder / kInputsFolder / hash;
-  std::string bytes = read_file(path);
+  std::string bytes = read_file(path, kOnnxDataBytes);
   if (hash_hex(bytes) != hash) throw Error(cat(path.string(), ": damaged; run the study again"));
   return bytes;
 }
@@ -108,10 +139,15 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
   const fs::path base = file.parent_path();
   const FindFiles find = [&](const std::string& pattern, const Place& place) {
     std::vector<StudyPolicy::File> files;
+    std::size_t left = kFoundBytes;
     try {
       for (const fs::path& path : glob_files(base, pattern)) {
         std::string bytes = read_policy_file(path);
         OnnxData data = read_onnx_data(path, bytes);
+        std::size_t size = bytes.size();
+        for (const auto& [name, content] : data) size += content.size();
+        if (size > left) throw Error(cat("'", pattern, "': its files have more than ", kFoundBytes, " bytes together"));
+        left -= size;
         files.push_back(
             {path.lexically_relative(base.empty() ? "." : base).string(), std::move(bytes), std::move(data)});
       }
@@ -120,7 +156,7 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
     }
     return files;
   };
-  return parse_study(read_file(file), file.string(), settings, find);
+  return parse_study(read_file(file, kStudyBytes), file.string(), settings, find);
 }
 
 void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
@@ -131,20 +167,25 @@ void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
   if (!is_ours(path_)) throw Error(cat(path_.string(), ": is not empty and no result of gust; choose another --out"));
   if (holds_reproduction(path_))
     throw Error(cat(path_.string(), ": holds what 'gust reproduce' found; choose another --out"));
+  if (const auto store = store_around(path_))
+    throw Error(cat(path_.string(), ": lies in the store ", store->string(), "; choose another --out"));
   Json patterns = Json::array();
   for (const std::vector<StudyPolicy::File>& files : study.found) {
     Json found = Json::array();
     for (const StudyPolicy::File& file : files) found.push_back(keep_file(path_, file));
     patterns.push_back(found);
   }
-  write_file_atomically(path_ / kInputsFile,
-                        Json{{"study", inputs.study}, {"settings", inputs.settings}, {"files", patterns}}.dump(
-                            2, ' ', false, Json::error_handler_t::replace) +
-                            "\n");
+  write_file_atomically(path_ / kInputsFile, hashed({{"study", inputs.study},
+                                                     {"settings", inputs.settings},
+                                                     {"files", patterns},
+                                                     {"text", hash_hex(study.text)},
+                                                     {"readings", readings_text(study)}})
+                                                     .dump(2, ' ', false, Json::error_handler_t::replace) +
+                                                 "\n");
   write_file_atomically(text, study.text);
 }
 
-Study StudyFolder::open() const {
+Study StudyFolder::open(const Store::Notice& notice) const {
   const fs::path text = path_ / kStudyFile;
   const bool whole = is_there(text) && is_there(path_ / kInputsFile);
   if (!whole && holds_reproduction(path_))
@@ -160,7 +201,16 @@ Study StudyFolder::open() const {
     for (const KeptFile& file : inputs.patterns[asked++]) files.push_back(read_kept(path_, file));
     return files;
   };
-  return parse_study(read_file(text), text.string(), inputs.run.settings, find);
+  const std::string bytes = read_file(text, kStudyBytes);
+  if (!inputs.text_hash.empty() && hash_hex(bytes) != inputs.text_hash) throw changed(text);
+  if (inputs.text_hash.empty() && notice)
+    notice(
+        cat(path_.string(), ": an earlier gust left it without hashes; whether its study was edited cannot be told"));
+  Study study = parse_study(bytes, text.string(), inputs.run.settings, find);
+  if (!inputs.readings.empty() && inputs.readings != readings_text(study) && notice)
+    notice(cat((path_ / kInputsFile).string(), ": the study was run with ", inputs.readings, "; this gust reads it as ",
+               readings_text(study)));
+  return study;
 }
 
 RunInputs StudyFolder::inputs() const { return read_inputs(path_).run; }

@@ -19,7 +19,7 @@ struct RunInputs {
 /// The folder that a run leaves: the study as it was run, copies of the policy files that it used, and the store.
 ///
 ///   study.toml      the study's text, byte for byte
-///   inputs.json     where the study lay, the settings, and which file each pattern found
+///   inputs.json     where the study lay, the settings, which file each pattern found, and the hashes of all this
 ///   inputs/         those files, named by their hashes
 ///   store/          the trials (elsewhere if GUST_CACHE names a folder)
 ///   report.html     the page
@@ -35,8 +35,9 @@ class StudyFolder {
   static Study read(const std::filesystem::path& file, const std::vector<std::string>& settings);
   /// Writes what open() needs. Throws Error if the folder is no result of gust or cannot be written.
   void keep(const Study& study, const RunInputs& inputs) const;
-  /// Reads the study back, without the files it was made from.
-  Study open() const;
+  /// Reads the study back, without the files it was made from. An Error if its text, its settings or its files are not
+  /// those that the run wrote; folders of earlier versions cannot tell, which the notice says.
+  Study open(const Store::Notice& notice = {}) const;
   /// What the run was given.
   RunInputs inputs() const;
 

@@ -4,6 +4,7 @@
 
 #include "gust/nn/onnx.h"
 #include "gust/study/files.h"
+#include "gust/study/files_test_folder.h"
 #include "gust/study/study_fixture.h"
 
 using namespace gust;
@@ -42,6 +43,26 @@ TEST_CASE("a kept study is read back without the files that it was made from") {
   REQUIRE(study.policies[1].count() == 2);
   CHECK(study.policies[1].files[0].path == "policies/a.onnx");
   CHECK(study.policies[1].files[1].path == "policies/b.onnx");
+}
+
+TEST_CASE("what of a kept study was touched is named, and the next run writes it again") {
+  const Scene scene;
+  const std::string text = read_file(scene.kept.path() / "study.toml");
+  const std::string inputs = read_file(scene.kept.path() / "inputs.json");
+  const auto touched = [&](const char* file, const std::string& bytes) {
+    write_file_atomically(scene.kept.path() / file, bytes);
+    return message_of([&] { scene.kept.open(); });
+  };
+  const auto names = [&](const std::string& message, const char* file) {
+    return message.starts_with(cat((scene.kept.path() / file).string(), ": is not what the run wrote"));
+  };
+
+  CHECK(names(touched("study.toml", text + "\n"), "study.toml"));
+  CHECK(touched("study.toml", text) == "");
+  std::string other = inputs;
+  other.replace(other.find("episodes=2"), 10, "episodes=3");
+  CHECK(names(touched("inputs.json", other), "inputs.json"));
+  CHECK(touched("inputs.json", inputs) == "");
 }
 
 TEST_CASE("a file of a kept study that was damaged is one clear error") {

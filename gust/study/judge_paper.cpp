@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
-#include <thread>
 
 #include "gust/eval/bootstrap.h"
 #include "gust/study/claim_scores.h"
+#include "gust/study/crew.h"
 #include "gust/study/reproduction.h"
 
 namespace gust {
@@ -231,20 +231,15 @@ std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const st
   std::vector<PaperVerdict> verdicts(questions.size());
   std::vector<std::exception_ptr> errors(questions.size());
   std::atomic<std::size_t> next = 0;
-  {
-    std::vector<std::jthread> workers;
-    for (std::size_t t = 0; t < std::max<std::size_t>(threads, 1); ++t) {
-      workers.emplace_back([&] {
-        for (std::size_t i = next++; i < questions.size(); i = next++) {
-          try {
-            verdicts[i] = judge.ask(questions[i]);
-          } catch (...) {
-            errors[i] = std::current_exception();
-          }
-        }
-      });
+  run_crew(threads, [&] {
+    for (std::size_t i = next++; i < questions.size(); i = next++) {
+      try {
+        verdicts[i] = judge.ask(questions[i]);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
     }
-  }
+  });
   for (const std::exception_ptr& error : errors) {
     if (error) std::rethrow_exception(error);
   }

@@ -5,6 +5,7 @@
 #include "gust/core/text.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
+#include "gust/study/trial_check.h"
 
 namespace gust {
 namespace {
@@ -48,7 +49,7 @@ std::shared_ptr<const MarginData> MarginReader::read(const SweepOf& of, const st
 
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kMargin || trial.policy != of.policy || trial.sweep != of.sweep) continue;
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     if (!stored || trial.inputs.size() != 2 * nominal.members()) continue;  // it is that of other members
     for_each_margin_level(*stored, [&](double level, const MemberRows& rows) {
       if (rows.has(metric)) data->add(level, rows.values(of.start, metric, repeats));

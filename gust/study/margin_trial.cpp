@@ -16,8 +16,6 @@ namespace {
 constexpr std::string_view kLevelsFile = "levels.txt";  // a line a round: the levels looked at in it
 constexpr std::size_t kMostRounds = 40;                 // more than any curve needs
 
-std::string rows_file(std::size_t round, std::size_t member) { return cat("rows-", round, "-", member, ".bin"); }
-
 /// What is measured of an episode for the score of the margins: the score, or the two metrics whose means it divides.
 std::vector<std::size_t> measured_metrics(const Study& study) {
   const std::size_t score = margin_metric(study);
@@ -50,6 +48,7 @@ class MarginSearch {
       : study_(study), sweep_(trial.sweep), measured_(measured_metrics(study)), scores_(study, trial.sweep) {
     std::vector<std::string> missing;
     scores_.take_undisturbed(MemberRows(plan, inputs_of(plan, trial, true), store, missing));
+    if (!missing.empty()) throw Error(cat("not in the store: ", missing.front()));
     const TrialGroup swept = inputs_of(plan, trial, false);
     if (scores_.hopeless()) return;
     MemberRows rows(plan, swept, store, missing);
@@ -89,7 +88,7 @@ class MarginSearch {
     }
     try {
       for (std::size_t member = 0; member < policies_.size(); ++member)
-        evaluate_member(member, levels, writer.file(rows_file(round, member)), found, stop);
+        evaluate_member(member, levels, writer.file(margin_rows_file(round, member)), found, stop);
     } catch (const Stopped&) {
       return false;
     }
@@ -213,15 +212,27 @@ Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, con
   return {};
 }
 
-void for_each_margin_level(const StoredTrial& stored, const std::function<void(double, const MemberRows&)>& take) {
+std::string margin_rows_file(std::size_t round, std::size_t member) { return cat("rows-", round, "-", member, ".bin"); }
+
+std::vector<std::vector<double>> margin_levels(const StoredTrial& stored) {
+  std::vector<std::vector<double>> rounds;
   std::istringstream lines(stored.read(kLevelsFile));
-  std::string line;
-  for (std::size_t round = 0; std::getline(lines, line); ++round) {
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<double>& levels = rounds.emplace_back();
+    for (const std::string& word : split_text(line, ' ')) levels.push_back(number_from_text(word, kLevelsFile));
+    if (levels.empty()) throw Error(cat(kLevelsFile, ":", rounds.size(), ": no levels"));
+  }
+  return rounds;
+}
+
+void for_each_margin_level(const StoredTrial& stored, const std::function<void(double, const MemberRows&)>& take) {
+  const std::vector<std::vector<double>> rounds = margin_levels(stored);
+  for (std::size_t round = 0; round < rounds.size(); ++round) {
     std::vector<std::string> files;
-    while (stored.contains(rows_file(round, files.size()))) files.push_back(rows_file(round, files.size()));
+    while (stored.contains(margin_rows_file(round, files.size())))
+      files.push_back(margin_rows_file(round, files.size()));
     MemberRows rows(stored, files);
-    std::istringstream levels(line);
-    for (double level = 0; levels >> level && rows.next();) take(level, rows);
+    for (std::size_t i = 0; i < rounds[round].size() && rows.next(); ++i) take(rounds[round][i], rows);
   }
 }
 

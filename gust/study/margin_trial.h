@@ -45,6 +45,11 @@ std::string survival_obstacle(double share);
 Outcome run_margin(const Study& study, const Plan& plan, const Trial& trial, const Store& store, std::stop_token stop,
                    ProgressSink& progress);
 
+/// Where the rows of a round and a member lie in a margin's trial, and the levels of its rounds; an Error if they
+/// cannot be read.
+std::string margin_rows_file(std::size_t round, std::size_t member);
+std::vector<std::vector<double>> margin_levels(const StoredTrial& stored);
+
 /// The rows of the levels that a margin's trial looked at beside the study's own: `take(level, rows)` for each, in the
 /// order of looking.
 void for_each_margin_level(const StoredTrial& stored, const std::function<void(double, const MemberRows&)>& take);

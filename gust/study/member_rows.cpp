@@ -4,6 +4,7 @@
 
 #include "gust/eval/metric.h"
 #include "gust/eval/quotient.h"
+#include "gust/study/trial_check.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -36,26 +37,32 @@ MemberRows::MemberRows(const Plan& plan, const TrialGroup& group, const Store& s
                        std::vector<std::string>& missing) {
   for (const std::size_t index : group.trials) {
     const Trial& trial = plan.trials[index];
-    std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     if (!stored) {
       missing.push_back(trial.what);
       continue;
     }
     streams_.push_back(std::make_unique<std::ifstream>(stored->open(kRowsFile)));
-    readers_.emplace_back(*streams_.back(), trial.id);
+    readers_.emplace_back(*streams_.back(), (stored->folder / kRowsFile).string());
+    remedy_ = Store::remedy(store.folder());
   }
 }
 
 MemberRows::MemberRows(const StoredTrial& stored, const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     streams_.push_back(std::make_unique<std::ifstream>(stored.open(file)));
-    readers_.emplace_back(*streams_.back(), cat(stored.folder.filename().string(), "/", file));
+    readers_.emplace_back(*streams_.back(), (stored.folder / file).string());
+    remedy_ = Store::remedy(stored.folder.parent_path().parent_path());
   }
 }
 
 bool MemberRows::next() {
   cells_.clear();
-  for (RowsReader& reader : readers_) cells_.push_back(reader.next());
+  try {
+    for (RowsReader& reader : readers_) cells_.push_back(reader.next());
+  } catch (const Error& error) {
+    throw Error(cat(error.what(), remedy_));
+  }
   return !cells_.empty() && !cells_.front().empty();
 }
 

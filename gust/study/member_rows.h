@@ -52,6 +52,7 @@ class MemberRows {
 
  private:
   std::vector<std::unique_ptr<std::ifstream>> streams_;
+  std::string remedy_;  ///< of damaged rows
   std::vector<RowsReader> readers_;
   std::vector<std::span<const double>> cells_;
 };

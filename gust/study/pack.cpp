@@ -146,10 +146,13 @@ class PackInput {
 /// Writes the trials of a pack into a store.
 class Unpacker : public PackVisitor {
  public:
-  explicit Unpacker(const Store& store) : store_(store) {}
+  Unpacker(const Store& store, std::string pack) : store_(store), pack_(std::move(pack)) {}
 
   void trial(const Manifest& manifest) override {
-    if (store_.load(manifest.kind, manifest.id)) return;
+    if (const auto first = store_.load(manifest.kind, manifest.id)) {
+      count.disagreeing += differing_files(first->manifest, manifest).empty() ? 0 : 1;
+      return store_.compare(*first, manifest, cat(pack_, ": ", manifest.kind, "/", manifest.id));
+    }
     writer_.emplace(store_, manifest.kind, manifest.id);
   }
   void file(const StoredFile& file) override { file_ = writer_ ? &writer_->file(file.name) : nullptr; }
@@ -166,6 +169,7 @@ class Unpacker : public PackVisitor {
 
  private:
   const Store& store_;
+  std::string pack_;
   std::optional<TrialWriter> writer_;
   OutputFile* file_ = nullptr;
 };
@@ -187,6 +191,7 @@ void add_trial(PackOutput& output, const StoredTrial& trial) {
 }
 
 void read_pack_file(const fs::path& file, PackVisitor& visitor) {
+  open_to_read(file);  // an Error where a stream would wait
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw file_error(file, "cannot read");
   read_pack(stream, file.string(), visitor);
@@ -226,7 +231,7 @@ void check_pack(const fs::path& file) {
 }
 
 PackCount unpack_store(const fs::path& file, const Store& store) {
-  Unpacker unpacker(store);
+  Unpacker unpacker(store, file.string());
   read_pack_file(file, unpacker);
   std::error_code unknown;
   unpacker.count.bytes = fs::file_size(file, unknown);

@@ -12,10 +12,11 @@ namespace gust {
 
 /// What went into a pack or came out of it.
 struct PackCount {
-  std::size_t trials = 0;   ///< written
-  std::size_t present = 0;  ///< left alone, because the store already had them whole
-  std::size_t damaged = 0;  ///< left out of the pack
-  std::uint64_t bytes = 0;  ///< size of the pack
+  std::size_t trials = 0;       ///< written
+  std::size_t present = 0;      ///< left alone, because the store already had them whole
+  std::size_t damaged = 0;      ///< left out of the pack
+  std::size_t disagreeing = 0;  ///< of those present: the pack has another result for them
+  std::uint64_t bytes = 0;      ///< size of the pack
 };
 
 /// Writes every finished trial of a store, or those of one kind, into one compressed file. Equal trials give equal
@@ -25,7 +26,8 @@ PackCount pack_store(const Store& store, const std::filesystem::path& file, std:
 /// Reads a pack to its end. One that is damaged, or made to do harm, is an Error.
 void check_pack(const std::filesystem::path& file);
 
-/// Adds the trials of a pack to a store. Trials that the store has whole are never touched. The Errors of check_pack
+/// Adds the trials of a pack to a store. Trials that the store has whole are never touched; where the pack has another
+/// result for one, the store's notice names both. The Errors of check_pack
 /// are this one's too; the whole trials before the damage stay.
 PackCount unpack_store(const std::filesystem::path& file, const Store& store);
 

@@ -58,7 +58,8 @@ TEST_CASE("a pack carries the trials of a store to another, manifests and all") 
   commit_trial(from, "sweep", "b", noise(300'000));
   commit_trial(from, "sweep", "a", "numbers");
   commit_trial(from, "train", "a", "weights");
-  const Store to(folder / "to", Store::Access::write);
+  std::string told;
+  const Store to(folder / "to", Store::Access::write, [&](const std::string& text) { told += text; });
   commit_trial(to, "sweep", "a", "its own");
 
   const PackCount packed = pack_store(from, folder / "file.pack");
@@ -68,6 +69,9 @@ TEST_CASE("a pack carries the trials of a store to another, manifests and all") 
   CHECK(packed.bytes == fs::file_size(folder / "file.pack"));
   CHECK(unpacked.trials == 2);
   CHECK(unpacked.present == 1);
+  CHECK(unpacked.disagreeing == 1);
+  CHECK(told.find(cat("two results for one trial: ", (folder / "to/sweep/a").string())) == 0);
+  CHECK(told.find(cat((folder / "file.pack").string(), ": sweep/a (gust ")) != told.npos);
   CHECK(to.load("sweep", "a")->read("rows.bin") == "its own");
   CHECK(to.load("sweep", "b")->read("rows.bin") == noise(300'000));
   CHECK(to.load("train", "a")->manifest == from.load("train", "a")->manifest);

@@ -12,6 +12,7 @@
 #include "gust/core/text.h"
 #include "gust/study/files.h"
 #include "gust/study/results.h"
+#include "gust/study/trial_check.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -19,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+constexpr int kDeepest = 8;  // of reproduction.json: writing out what is nested deeper would recurse
 
 constexpr int kSchema = 5;
 constexpr const char* kDescription = "reproduction.json";
@@ -155,6 +158,14 @@ Json description(const PaperResults& results, const Json& hashes) {
           {"files", hashes}};
 }
 
+/// The same object with the hash of its content.
+Json hashed(Json json) {
+  json.erase("hash");
+  const std::string hash = hash_hex(json.dump());
+  json["hash"] = hash;
+  return json;
+}
+
 /// What a folder says of its results, with nothing read yet but this.
 struct Description {
   PaperResults results;
@@ -165,9 +176,11 @@ Description read_description(const fs::path& folder) {
   const std::string file = (folder / kDescription).string();
   const std::string bytes = read_file(file);
   try {
-    const Json json = Json::parse(bytes);
+    const Json json = Json::parse(bytes, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; });
     if (json.at("schema") != kSchema)
       throw Error(cat(file, ": was written by another version of gust; choose another folder"));
+    if (json.contains("hash") && json != hashed(json))
+      throw Error(cat(file, ": has changed since it was written; run the reproduction again"));
     if (!json.at("missing").is_number_unsigned()) throw Error(cat(file, ": 'missing' is no count"));
     ReproductionChoice choice{json.at("profile"), json.at("only"), {}};
     if (!json.at("seeds").is_null()) choice.seeds = json.at("seeds").get<std::int64_t>();
@@ -274,7 +287,7 @@ void write_results(const PaperResults& results, const fs::path& folder) {
     files.write("scores.csv", results.scores->index());
     files.write("scores.f32", results.scores->values());
   }
-  write_file_atomically(folder / kDescription, description(results, files.hashes()).dump(2) + "\n");
+  write_file_atomically(folder / kDescription, hashed(description(results, files.hashes())).dump(2) + "\n");
 }
 
 PaperResults read_results(const fs::path& folder) {
@@ -309,7 +322,7 @@ void write_headline_policies(const Reproduction& reproduction, const std::vector
     if (part.reading != 0 || !shows(figure, "learning")) continue;
     for (const Trial& trial : plans[i].trials) {
       if (trial.kind != Trial::Kind::kTrain || trial.member != 0) continue;
-      const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+      const std::optional<StoredTrial> stored = load_trial(plans[i], trial, store);
       if (!stored || !stored->contains(kPolicyFile)) continue;
       const StudyPolicy& policy = part.study.policies[trial.policy];
       const std::string name =

@@ -5,6 +5,7 @@
 
 #include "gust/core/hash.h"
 #include "gust/core/text.h"
+#include "gust/study/training_time.h"
 
 namespace gust {
 namespace {
@@ -17,10 +18,7 @@ constexpr int kMarginVersion = 1;
 constexpr double kMarginLevels = 40;  // that a margin looks at, about
 
 // Predicted seconds on one core of a current machine, until this one was measured (timings.h).
-constexpr double kSecondsPerOperation = 1e-11;  // of a training
-constexpr double kSecondsPerTrainingStep = 1e-6;
 constexpr double kSecondsPerEpisodeStep = 1.5e-7;
-constexpr double kSecondsPerSubstep = 8e-9;
 
 void name_trial(Trial& trial, std::string_view label) {
   trial.guess = trial.seconds;
@@ -134,9 +132,7 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
   trial.what = cat("train ", member_label(trained, member));
   if (!trained.randomised.draws.empty())
     trial.what += cat(" · randomise ", trained.randomised.label(study.setup.plant->spec()));
-  const PlantSpec& spec = study.setup.plant->spec();
-  const double step = kSecondsPerTrainingStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate;
-  trial.seconds = static_cast<double>(trained.agent->steps()) * (step + kSecondsPerOperation * trained.agent->work());
+  trial.seconds = training_seconds(*trained.agent.object, study.setup.plant->spec());
   name_trial(trial, cat(trained.agent.kind, " s", trained.seeds[member]));
   return trial;
 }
@@ -196,8 +192,8 @@ Trial evaluate_trial(const Study& study, Trial trial, const Plan& plan) {
           study.traces.median, " by ", study.metric_set.name(study.metrics.front()), "\n");
   const std::string name = trial.sweep == Trial::kNominal ? "nominal" : study.sweeps[trial.sweep].name;
   trial.what = cat("evaluate ", member_label(study.policies[trial.policy], trial.member), " · ", name);
-  const double cells = trial.sweep == Trial::kNominal ? 1.0 : static_cast<double>(study.sweeps[trial.sweep].cells());
-  trial.seconds = evaluation_seconds(study, cells);
+  trial.cells = trial.sweep == Trial::kNominal ? 1 : study.sweeps[trial.sweep].cells();
+  trial.seconds = evaluation_seconds(study, static_cast<double>(trial.cells));
   name_trial(trial, sweep_label(study, trial));
   return trial;
 }
@@ -260,7 +256,7 @@ bool refines_margin(const Study& study, const Sweep& sweep) {
 }
 
 Plan expand(const Study& study, const FoundLevels& found, const std::set<std::string>& failed) {
-  Plan plan;
+  Plan plan{.starts = study.starts, .episodes = static_cast<std::uint64_t>(study.episodes)};
   for_each_member(study, [&](std::size_t policy, std::size_t member) {
     if (study.policies[policy].kind == StudyPolicy::Kind::kTrain)
       plan.trials.push_back(train_trial(study, policy, member));

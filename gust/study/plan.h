@@ -22,6 +22,7 @@ struct Trial {
   std::size_t member = 0;                ///< which seed or file of the policy; of a margin, the first
   std::size_t sweep = kNominal;          ///< kNominal: undisturbed
   std::vector<std::size_t> inputs = {};  ///< of an evaluation its training; of a margin its evaluations
+  std::size_t cells = 0;                 ///< of an evaluation
   double seconds = 0;                    ///< predicted, on one core
   double guess = 0;                      ///< the same without having measured anything
 };
@@ -36,7 +37,9 @@ using FoundLevels = std::map<std::size_t, std::vector<double>>;
 /// policy and sweep. Evaluations of automatic sweeps are there once their levels are.
 struct Plan {
   std::vector<Trial> trials;
-  bool complete = true;  ///< false while automatic sweeps wait for their levels
+  bool complete = true;                    ///< false while automatic sweeps wait for their levels
+  std::vector<StartProtocol> starts = {};  ///< of every evaluation and margin
+  std::uint64_t episodes = 0;              ///< from each start
 };
 
 /// `failed` are the ids of trainings that ended without a policy: margins are those of the other seeds.

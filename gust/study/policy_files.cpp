@@ -45,9 +45,7 @@ std::string read_beside(const fs::path& folder, const std::string& name, std::si
 
 }  // namespace
 
-std::string read_policy_file(const fs::path& path) {
-  return path.extension() == ".onnx" ? read_file(path, kOnnxBytes) : read_file(path);
-}
+std::string read_policy_file(const fs::path& path) { return read_file(path, kOnnxBytes); }
 
 OnnxData read_onnx_data(const fs::path& path, std::string_view bytes) {
   OnnxData data;

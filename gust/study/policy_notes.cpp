@@ -1,6 +1,7 @@
 #include "gust/study/policy_notes.h"
 
 #include "gust/study/policies.h"
+#include "gust/study/trial_check.h"
 
 namespace gust {
 namespace {
@@ -42,17 +43,16 @@ std::vector<std::string> policy_notes(const Study& study, const Plan& plan, cons
   };
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kEvaluate || told_of[trial.policy]) continue;
-    const std::string_view kind = kind_name(trial.kind);
-    if (!std::filesystem::exists(store.folder_of(kind, trial.id) / kNotFiniteFile))
+    if (!std::filesystem::exists(store.folder_of(kind_name(trial.kind), trial.id) / kNotFiniteFile))
       continue;  // most trials: read no rows
-    const std::optional<StoredTrial> stored = store.load(kind, trial.id);
+    const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     if (stored && stored->contains(kNotFiniteFile)) tell_of(trial, stored->read(kNotFiniteFile));
   }
   for (const Trial& trial : plan.trials) {
     const bool undisturbed = trial.sweep == Trial::kNominal && study.always.empty();
     if (trial.kind != Trial::Kind::kEvaluate || !undisturbed || !study.policies[trial.policy].foreign) continue;
     if (told_of[trial.policy]) continue;
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     const std::string failure = stored ? at_once_text(*stored, trial.id) : std::string();
     if (!failure.empty()) tell_of(trial, failure + interface_hint(study.setup.plant->spec()));
   }

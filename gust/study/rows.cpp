@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "gust/core/error.h"
+#include "gust/study/files_posix.h"
 
 namespace gust {
 namespace {
@@ -86,6 +88,7 @@ void unshuffle(std::string_view bytes, std::size_t metrics, std::span<double> bl
 /// Reads exactly this many bytes.
 void read_exactly(std::istream& stream, std::span<char> bytes, std::string_view name) {
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (stream.bad()) throw FileError(cat(name, ": cannot read: the disk or the machine failed"), EIO);
   if (static_cast<std::size_t>(stream.gcount()) != bytes.size()) throw Error(cat(name, ": damaged rows: cut short"));
 }
 
@@ -115,6 +118,14 @@ RowsHeader read_header(std::istream& stream, std::string_view name) {
   const std::string wrong = complaint(header);
   if (!wrong.empty()) throw Error(cat(name, ": damaged rows: ", wrong));
   return header;
+}
+
+/// The head of the next block, after so many cells.
+BlockHead read_head(std::istream& stream, const RowsHeader& header, std::uint64_t read, std::string_view name) {
+  const auto head = read_value<BlockHead>(stream, name);
+  const std::uint64_t cells = std::min<std::uint64_t>(cells_per_block(header), header.cells - read);
+  if (head.cells != cells) throw Error(cat(name, ": damaged rows: a block has ", head.cells, " cells, not ", cells));
+  return head;
 }
 
 }  // namespace
@@ -188,10 +199,8 @@ std::span<const double> RowsReader::next() {
 }
 
 void RowsReader::read_block() {
-  const auto head = read_value<BlockHead>(stream_, name_);
-  const std::uint64_t cells = std::min<std::uint64_t>(cells_per_block(header_), header_.cells - read_);
-  if (head.cells != cells) throw Error(cat(name_, ": damaged rows: a block has ", head.cells, " cells, not ", cells));
-  const std::size_t numbers = static_cast<std::size_t>(cells) * header_.cell_size();
+  const BlockHead head = read_head(stream_, header_, read_, name_);
+  const std::size_t numbers = std::size_t{head.cells} * header_.cell_size();
   if (head.size > ZSTD_compressBound(numbers * sizeof(double))) {
     throw Error(cat(name_, ": damaged rows: a block is too long"));
   }
@@ -204,10 +213,25 @@ void RowsReader::read_block() {
   block_.resize(numbers);
   unshuffle(raw, header_.metrics.size(), block_);
   position_ = 0;
-  read_ += cells;
+  read_ += head.cells;
   if (read_ == header_.cells && stream_.peek() != std::istream::traits_type::eof()) {
     throw Error(cat(name_, ": damaged rows: something follows the last cell"));
   }
+}
+
+RowsHeader skim_rows(std::istream& stream, std::string_view name) {
+  stream.seekg(0, std::ios::end);
+  const std::streamoff end = stream.tellg();
+  stream.seekg(0);
+  RowsHeader header = read_header(stream, name);
+  for (std::uint64_t read = 0; read < header.cells;) {
+    const BlockHead head = read_head(stream, header, read, name);
+    if (head.size > end - stream.tellg()) throw Error(cat(name, ": damaged rows: cut short"));
+    stream.seekg(head.size, std::ios::cur);
+    read += head.cells;
+  }
+  if (stream.tellg() != end) throw Error(cat(name, ": damaged rows: something follows the last cell"));
+  return header;
 }
 
 }  // namespace gust

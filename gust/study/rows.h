@@ -74,4 +74,8 @@ class RowsReader {
   std::size_t position_ = 0;   ///< of the next cell in it
 };
 
+/// Reads the header and the heads of the blocks, and checks that all cells are there and nothing follows. Numbers are
+/// not looked at.
+RowsHeader skim_rows(std::istream& stream, std::string_view name);
+
 }  // namespace gust

@@ -7,6 +7,7 @@
 
 #include "gust/study/checkpoint.h"
 #include "gust/study/timings.h"
+#include "gust/study/trial_check.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -51,7 +52,7 @@ class MissingJobs {
  private:
   void add(const Study& study, const Plan& plan, const PlannedTrial& at, const Store& store) {
     const Trial& trial = plan.trials[at.trial];
-    if (store.load(kind_name(trial.kind), trial.id) || training_failure(plan, trial, store)) return;
+    if (load_trial(plan, trial, store, CheckDepth::whole) || training_failure(plan, trial, store)) return;
     Job job{trial.what, trial.seconds, {}, {}};
     for (const std::size_t input : trial.inputs) {
       if (job_of_[at.plan][input] != Trial::kNominal) job.needs.push_back(job_of_[at.plan][input]);
@@ -140,7 +141,7 @@ FoundLevels found_levels(const Study& study, const Plan& plan, const Store& stor
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kSearch) continue;
     if (training_failure(plan, trial, store)) continue;  // the others have levels without it
-    const std::optional<double> level = found_level(store, trial);
+    const std::optional<double> level = found_level(plan, trial, store);
     complete.try_emplace(trial.sweep, true);
     if (level) {
       failures[trial.sweep].push_back(*level);

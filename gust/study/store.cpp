@@ -9,9 +9,11 @@
 #include <system_error>
 
 #include "gust/core/error.h"
+#include "gust/core/text.h"
 #include "gust/core/version.h"
 #include "gust/study/checkpoint.h"
 #include "gust/study/files.h"
+#include "gust/study/store_format.h"
 #include "gust/study/store_session.h"
 
 namespace gust {
@@ -19,8 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kFormatName = "store.json";
-constexpr std::string_view kAside = "aside";
+constexpr std::size_t kFormatBytes = std::size_t{64} << 10;  // of that file
 constexpr std::string_view kDamaged = "damaged";
 
 bool is_there(const fs::path& path) {
@@ -46,18 +47,24 @@ struct CheckedTrial {
   std::string damage;
 };
 
-/// Reads a manifest and checks every hash. Damage is data here, not a failure: the trial is computed again.
+/// Reads a manifest and checks every hash. Damage is data here, not a failure: the trial is computed again. Not so
+/// where the machine could not read: the trial may be whole.
 CheckedTrial check_trial(const fs::path& folder, std::string_view kind, std::string_view id) try {
   const fs::path path = folder / kManifestName;
   const StoredTrial trial = {folder, parse_manifest(read_file(path), path.string())};
   if (trial.manifest.kind != kind || trial.manifest.id != id) throw Error(cat(path.string(), ": is of another trial"));
   for (const StoredFile& said : trial.manifest.files) {
     const fs::path file = folder / said.name;
-    const StoredFile found = describe_file(file);
+    std::error_code unknown;
+    const std::uintmax_t size = fs::file_size(file, unknown);  // a far too long one is not read
+    const StoredFile found = unknown || size == said.size ? describe_file(file) : StoredFile{said.name, size, ""};
     if (found.size != said.size) throw Error(cat(file.string(), ": has ", found.size, " bytes, not ", said.size));
     if (found.hash != said.hash) throw Error(cat(file.string(), ": its hash differs"));
   }
   return {trial, ""};
+} catch (const FileError& error) {
+  if (error.is_about_file()) return {{}, error.what()};
+  throw FileError(cat(error.what(), Store::remedy(folder.parent_path().parent_path())), error.code);
 } catch (const Error& error) {
   return {{}, error.what()};
 }
@@ -68,13 +75,19 @@ bool StoredTrial::contains(std::string_view file) const {
   return std::ranges::any_of(manifest.files, [&](const StoredFile& stored) { return stored.name == file; });
 }
 
+void StoredTrial::check(std::string_view file) const {
+  if (!contains(file))
+    throw Error(cat(folder.string(), ": has no '", file, "'", Store::remedy(folder.parent_path().parent_path())));
+}
+
 std::string StoredTrial::read(std::string_view file) const {
-  GUST_CHECK(contains(file));
-  return read_file(folder / file);
+  check(file);
+  const auto stored = std::ranges::find(manifest.files, file, &StoredFile::name);
+  return read_file(folder / file, static_cast<std::size_t>(stored->size));
 }
 
 std::ifstream StoredTrial::open(std::string_view file) const {
-  GUST_CHECK(contains(file));
+  check(file);
   std::ifstream stream(folder / file, std::ios::binary);
   if (!stream) throw file_error(folder / file, "cannot read");
   return stream;
@@ -85,7 +98,8 @@ Store::Store(fs::path folder, Access access, Notice notice) : folder_(std::move(
   if (!is_at(folder_)) throw Error(cat(folder_.string(), ": no store lies here; gust run makes one"));
   check_format();
   if (access == Access::read) return;
-  session_ = std::make_unique<StoreSession>(folder_ / kAside);
+  session_ = std::make_unique<StoreSession>(folder_ / kAsideName);
+  for (const std::string_view file : {kFormatName, kTimingsName}) remove_left_aside(folder_ / file);
   remove_idle_checkpoints(*this);
 }
 
@@ -99,15 +113,16 @@ void Store::initialise() const {
   const bool is_empty = entries(folder_).empty();
   if (is_at(folder_)) return;  // another process was faster, and whatever we saw was its
   if (!is_empty) throw Error(cat(folder_.string(), ": holds other things than a store; choose another folder"));
-  const nlohmann::json format = {{"format", kStoreFormat}, {"gust", kVersion}};
-  write_file_atomically(folder_ / kFormatName, format.dump() + "\n");
+  write_store_format(folder_);
 }
 
 void Store::check_format() const {
   const fs::path path = folder_ / kFormatName;
-  const auto json = nlohmann::json::parse(read_file(path), nullptr, /*allow_exceptions=*/false);
+  const auto json = nlohmann::json::parse(read_file(path, kFormatBytes), nullptr, /*allow_exceptions=*/false);
   const bool is_format = json.is_object() && json.contains("format") && json["format"].is_number_integer();
-  if (!is_format) throw Error(cat(path.string(), ": damaged; restore it, or choose another folder"));
+  if (!is_format)
+    throw Error(
+        cat(path.string(), ": damaged; 'gust store repair ", shell_word(folder_.string()), "' writes it again"));
   const auto format = json["format"].get<std::int64_t>();
   if (format == kStoreFormat) return;
   const auto by = json.find("gust");
@@ -117,7 +132,9 @@ void Store::check_format() const {
 }
 
 void Store::tell(const std::string& sentence) const {
-  if (notice_) notice_(sentence);
+  if (!notice_) return;
+  const std::lock_guard lock(told_mutex_);
+  if (told_.insert(sentence).second) notice_(sentence);
 }
 
 fs::path Store::folder_of(std::string_view kind, std::string_view id) const {
@@ -140,7 +157,7 @@ std::optional<StoredTrial> Store::load(std::string_view kind, std::string_view i
   CheckedTrial checked = check_trial(folder, kind, id);
   if (checked.damage.empty()) return std::move(checked.trial);
   if (session_ != nullptr) return repair(kind, id);
-  tell(cat("damaged: ", checked.damage, "; gust run computes it again"));
+  tell(cat("damaged: ", checked.damage, remedy(folder_)));
   return std::nullopt;
 }
 
@@ -151,14 +168,39 @@ std::optional<StoredTrial> Store::repair(std::string_view kind, std::string_view
   if (!is_there(folder)) return std::nullopt;
   CheckedTrial checked = check_trial(folder, kind, id);
   if (checked.damage.empty()) return std::move(checked.trial);
-  make_folders(folder_ / kDamaged);
-  fs::path target;
-  for (int number = 1; target.empty() || is_there(target); ++number) {
-    target = folder_ / kDamaged / cat(kind, "-", id, "-", number);
-  }
-  if (::rename(folder.c_str(), target.c_str()) != 0) throw file_error(folder, "cannot be moved away");
-  tell(cat("damaged: ", checked.damage, "; it was moved to ", target.string(), " and is computed again"));
+  tell(cat("damaged: ", checked.damage, "; it was moved to ", move_away(folder, kind, id).string(),
+           " and is computed again"));
   return std::nullopt;
+}
+
+fs::path Store::move_away(const fs::path& from, std::string_view kind, std::string_view id) const {
+  make_folders(folder_ / kDamaged);
+  for (int number = 1;; ++number) {
+    const fs::path target = folder_ / kDamaged / cat(kind, "-", id, "-", number);
+    if (is_there(target)) continue;
+    if (::rename(from.c_str(), target.c_str()) == 0) return target;
+    if (errno != EEXIST && errno != ENOTEMPTY) throw file_error(from, "cannot be moved away");
+  }
+}
+
+void Store::condemn(const StoredTrial& trial, std::string_view damage) const {
+  const std::string what = cat("damaged: ", trial.folder.string(), ": ", damage);
+  if (session_ == nullptr) return tell(cat(what, remedy(folder_)));
+  const Descriptor lock = lock_file(folder_ / kFormatName, /*wait=*/true, folder_);
+  const CheckedTrial now = check_trial(trial.folder, trial.manifest.kind, trial.manifest.id);
+  if (!now.damage.empty() || now.trial.manifest != trial.manifest) return;  // another process has mended it
+  const fs::path place = move_away(trial.folder, trial.manifest.kind, trial.manifest.id);
+  tell(cat(what, "; it was moved to ", place.string(), " and is computed again"));
+}
+
+void Store::compare(const StoredTrial& first, const Manifest& other, std::string_view place) const {
+  if (differing_files(first.manifest, other).empty()) return;
+  ++disagreements_;
+  tell(disagreement_text(first.manifest, other, first.folder.string(), place));
+}
+
+std::string Store::remedy(const fs::path& store) {
+  return cat("; 'gust store repair ", shell_word(store.string()), "' moves it aside, 'gust run' computes it again");
 }
 
 TrialWriter Store::begin(std::string_view kind, std::string_view id) const { return TrialWriter(*this, kind, id); }
@@ -198,6 +240,12 @@ void TrialWriter::commit(std::string_view text) {
   commit_as(manifest);
 }
 
+void TrialWriter::discard(const StoredTrial& first, const Manifest& manifest) {
+  if (!differing_files(first.manifest, manifest).empty())
+    store_->compare(first, manifest, store_->move_away(folder_, kind_, id_).string());
+  remove_checkpoint(*store_, id_);
+}
+
 void TrialWriter::commit_as(const Manifest& manifest) {
   const auto agrees = [](const std::unique_ptr<OutputFile>& file, const StoredFile& said) {
     return file->description() == said;
@@ -217,7 +265,8 @@ void TrialWriter::commit_as(const Manifest& manifest) {
   while (::rename(folder_.c_str(), place.c_str()) != 0) {
     if (errno != EEXIST && errno != ENOTEMPTY) throw file_error(place, "cannot be put into the store");
     // Another process was faster, and our copy goes with this writer; or something broken is in the way.
-    if (store_->has(kind_, id_) || store_->repair(kind_, id_)) break;
+    const std::optional<StoredTrial> first = store_->load(kind_, id_);
+    if (first) return discard(*first, manifest);
   }
   sync_folder(place.parent_path());
   remove_checkpoint(*store_, id_);

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,6 +24,8 @@ struct StoredTrial {
   Manifest manifest;
 
   bool contains(std::string_view file) const;
+  /// Throws Error unless it has such a file.
+  void check(std::string_view file) const;
   /// The whole content of one of its files.
   std::string read(std::string_view file) const;
   /// One of its files, to be read as a stream.
@@ -33,8 +38,8 @@ class TrialWriter;
 /// The trials that are finished: folders STORE/<kind>/<id>, each with its files and a manifest.
 ///
 /// A trial is written aside, synced and renamed, so it is there whole or not at all, after any kill and with any number
-/// of processes on one store; whoever comes second discards his copy. Nothing says "running". All of it may be used
-/// from many threads at once. Layout and guarantees: docs/formats.md.
+/// of processes on one store; whoever comes second compares his copy and discards it. Nothing says "running". All of it
+/// may be used from many threads at once. Layout and guarantees: docs/formats.md.
 class Store {
  public:
   enum class Access { read, write };
@@ -61,6 +66,9 @@ class Store {
   /// Begins to write a trial. The store must outlive the writer.
   TrialWriter begin(std::string_view kind, std::string_view id) const;
 
+  /// Gives a sentence to the notice, each once.
+  void tell(const std::string& sentence) const;
+
   /// Every finished trial as (kind, id), sorted.
   std::vector<std::pair<std::string, std::string>> trials() const;
 
@@ -73,13 +81,29 @@ class Store {
   /// Looks at a trial again while no other process may move it: returns it if it is whole, moves it away if not.
   std::optional<StoredTrial> repair(std::string_view kind, std::string_view id) const;
 
+  /// Moves a folder to STORE/damaged and gives its place there.
+  std::filesystem::path move_away(const std::filesystem::path& from, std::string_view kind, std::string_view id) const;
+
+  /// Tells of a whole trial whose content is wrong, and moves it to STORE/damaged (if open for writing).
+  void condemn(const StoredTrial& trial, std::string_view damage) const;
+
+  /// Compares another result of a trial with the one that is there, at `place`. If they disagree, both are told with
+  /// their places, and disagreements() counts it.
+  void compare(const StoredTrial& first, const Manifest& other, std::string_view place) const;
+  std::size_t disagreements() const { return disagreements_; }
+
+  /// "; 'gust store repair STORE' moves it aside and 'gust run' computes it again".
+  static std::string remedy(const std::filesystem::path& store);
+
  private:
   void initialise() const;
   void check_format() const;
-  void tell(const std::string& sentence) const;
 
   std::filesystem::path folder_;
   Notice notice_;
+  mutable std::atomic<std::size_t> disagreements_ = 0;
+  mutable std::mutex told_mutex_;
+  mutable std::set<std::string> told_;     ///< each sentence is told once
   std::unique_ptr<StoreSession> session_;  ///< none when open for reading
 };
 
@@ -97,12 +121,14 @@ class TrialWriter {
   void write(std::string_view name, std::string_view bytes);
 
   /// Syncs everything, writes the manifest, renames the trial into place and removes its checkpoint. If another
-  /// process was faster, its copy stays and ours goes.
+  /// process was faster, its copy stays; ours goes if it is equal, and else to STORE/damaged with an alarm.
   void commit(std::string_view text);
   /// The same with the manifest that the trial had in another store; an Error if it disagrees with what was written.
   void commit_as(const Manifest& manifest);
 
  private:
+  void discard(const StoredTrial& first, const Manifest& manifest);
+
   const Store* store_;
   std::string kind_;
   std::string id_;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -63,7 +64,10 @@ void OutputFile::close() {
 StoredFile OutputFile::description() const { return {path_.filename().string(), size_, hash_.hex()}; }
 
 StoredFile describe_file(const std::filesystem::path& path) {
-  const Descriptor file = open_file(path, O_RDONLY);
+  const Descriptor file = open_to_read(path);
+  struct stat info {};
+  const bool regular = ::fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode);
+  if (!regular) throw Error(cat(path.string(), ": is no regular file"));  // /dev/zero has no end
   StreamHash hash;
   std::uint64_t size = 0;
   std::string piece(kPiece, '\0');

@@ -7,6 +7,7 @@
 
 #include "gust/core/error.h"
 #include "gust/core/hash.h"
+#include "gust/core/text.h"
 
 namespace gust {
 namespace {
@@ -87,6 +88,25 @@ Manifest parse_manifest(std::string_view bytes, std::string_view name) {
     if (!names.insert(manifest.files.back().name).second) throw keys.damaged("two files have one name");
   }
   return manifest;
+}
+
+std::vector<std::string> differing_files(const Manifest& a, const Manifest& b) {
+  const bool one_version = a.gust == b.gust;
+  std::set<std::string> names;
+  for (const auto& [has, lacks] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    for (const StoredFile& file : has->files) {
+      if (!one_version && file.name.ends_with(".onnx")) continue;
+      if (std::ranges::find(lacks->files, file) == lacks->files.end()) names.insert(file.name);
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
+std::string disagreement_text(const Manifest& a, const Manifest& b, std::string_view place_a,
+                              std::string_view place_b) {
+  return cat("two results for one trial: ", place_a, " (gust ", a.gust, ") and ", place_b, " (gust ", b.gust,
+             ") differ in ", join(differing_files(a, b), ", "),
+             "; equal text must give equal bits, so one machine or program computes wrongly: run the trial on a third");
 }
 
 bool valid_store_name(std::string_view name) {

@@ -13,6 +13,10 @@ inline constexpr int kStoreFormat = 1;
 /// What a manifest is called in the folder of its trial.
 inline constexpr std::string_view kManifestName = "manifest.json";
 
+/// What a store calls its description, and what it has measured of time.
+inline constexpr std::string_view kFormatName = "store.json";
+inline constexpr std::string_view kTimingsName = "timings.json";
+
 /// One file of a trial.
 struct StoredFile {
   std::string name;
@@ -39,6 +43,13 @@ std::string manifest_bytes(const Manifest& manifest);
 /// Reads a manifest. Anything amiss, from a wrong hash to a file name that leaves the folder, is an Error that begins
 /// with `name`.
 Manifest parse_manifest(std::string_view bytes, std::string_view name);
+
+/// The files in which two results of one trial differ, or that only one of them has. Networks carry the version of the
+/// program, so between two versions they are not compared.
+std::vector<std::string> differing_files(const Manifest& a, const Manifest& b);
+
+/// What is said of two such results, with the place of each.
+std::string disagreement_text(const Manifest& a, const Manifest& b, std::string_view place_a, std::string_view place_b);
 
 /// Whether a text may name a trial or a file of one: letters, digits, '.', '_', '-', '+', '=', at most 200, and
 /// no dot in front.

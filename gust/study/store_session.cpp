@@ -1,5 +1,7 @@
 #include "gust/study/store_session.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,16 +27,32 @@ void remove_if_dead(const fs::path& folder) {
   ::unlink(lock.c_str());
 }
 
-void remove_dead_sessions(const fs::path& aside) {
+/// Every session's folder, which only its lock may stand for.
+std::set<fs::path> session_folders(const fs::path& aside) {
   std::set<fs::path> sessions;
-  for (const fs::directory_entry& entry : fs::directory_iterator(aside)) {
-    const fs::path& path = entry.path();
+  std::error_code error;
+  for (fs::directory_iterator at(aside, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    const fs::path& path = at->path();
     sessions.insert(path.extension() == ".lock" ? path.parent_path() / path.stem() : path);
   }
-  for (const fs::path& session : sessions) remove_if_dead(session);
+  return sessions;
+}
+
+void remove_dead_sessions(const fs::path& aside) {
+  for (const fs::path& session : session_folders(aside)) remove_if_dead(session);
 }
 
 }  // namespace
+
+std::vector<std::pair<fs::path, bool>> sessions_in(const fs::path& aside) {
+  std::vector<std::pair<fs::path, bool>> found;
+  for (const fs::path& session : session_folders(aside)) {
+    const Descriptor lock(::open(lock_of(session).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    const bool held = lock && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0;
+    found.emplace_back(session, !held);
+  }
+  return found;
+}
 
 StoreSession::StoreSession(fs::path aside) : aside_(std::move(aside)) {
   make_folders(aside_);

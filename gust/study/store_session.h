@@ -2,10 +2,19 @@
 
 #include <atomic>
 #include <filesystem>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "gust/study/files_posix.h"
 
 namespace gust {
+
+/// Where the sessions of a store lie.
+inline constexpr std::string_view kAsideName = "aside";
+
+/// The sessions there, and whether their processes are gone.
+std::vector<std::pair<std::filesystem::path, bool>> sessions_in(const std::filesystem::path& aside);
 
 /// A folder of one process's own within STORE/aside, for what is still being written. Its lock file beside it is held
 /// as long as the process lives, so that others can tell what a dead one left behind.

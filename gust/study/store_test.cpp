@@ -81,13 +81,13 @@ TEST_CASE("a trial that is not committed leaves nothing behind") {
   CHECK(count_below(test.folder.path()) == before);
 }
 
-TEST_CASE("of two writers of one trial the first wins and the second is quiet") {
+TEST_CASE("of two equal results of one trial the first stays and the second is quiet") {
   const TestStore test;
   const Store other(test / "", Store::Access::write);
   TrialWriter first = test.store.begin("sweep", "a");
   TrialWriter second = other.begin("sweep", "a");
   first.write("rows.bin", "first");
-  second.write("rows.bin", "second");
+  second.write("rows.bin", "first");
 
   first.commit("");
   second.commit("");
@@ -95,6 +95,39 @@ TEST_CASE("of two writers of one trial the first wins and the second is quiet") 
   CHECK(test.store.load("sweep", "a")->read("rows.bin") == "first");
   CHECK(test.told == "");
   CHECK(!fs::exists(test / "damaged"));
+}
+
+TEST_CASE("two results for one trial raise an alarm that names both, and the first stays") {
+  const TestStore test;
+  TrialWriter first = test.store.begin("sweep", "a");
+  TrialWriter second = test.store.begin("sweep", "a");
+  first.write("rows.bin", "first");
+  second.write("rows.bin", "second");
+  second.write("curve.csv", "1");
+
+  first.commit("");
+  second.commit("");
+
+  CHECK(test.store.load("sweep", "a")->read("rows.bin") == "first");
+  CHECK(test.store.disagreements() == 1);
+  CHECK(test.told == cat("two results for one trial: ", (test / "sweep/a").string(), " (gust ", kVersion, ") and ",
+                         (test / "damaged/sweep-a-1").string(), " (gust ", kVersion,
+                         ") differ in curve.csv, rows.bin; equal text must give equal bits, so one machine or program "
+                         "computes wrongly: run the trial on a third\n"));
+  CHECK(describe_file(test / "damaged/sweep-a-1/rows.bin").size == 6);
+}
+
+TEST_CASE("networks of two versions may differ, what they did may not") {
+  const Manifest first{"train", "a", "", "0.1.0", {{"policy.onnx", 1, "aa"}, {"curve.csv", 1, "bb"}}};
+  Manifest second = first;
+  second.gust = "0.2.0";
+  second.files[0].hash = "cc";
+
+  CHECK(differing_files(first, second).empty());
+  second.files[1].hash = "cc";
+  CHECK(differing_files(first, second) == std::vector<std::string>{"curve.csv"});
+  second.gust = first.gust;
+  CHECK(differing_files(first, second) == std::vector<std::string>{"curve.csv", "policy.onnx"});
 }
 
 TEST_CASE("many threads with two stores on one folder commit and load the same trials") {
@@ -178,7 +211,7 @@ TEST_CASE("a store that is open for reading is not changed") {
   const Store store(test / "", Store::Access::read, [&](const std::string& text) { told += text; });
 
   CHECK(!store.load("sweep", "a"));
-  CHECK(told.find("rows.bin: its hash differs; gust run computes it again") != std::string::npos);
+  CHECK(told.find("rows.bin: its hash differs; 'gust store repair ") != std::string::npos);
   CHECK(store.has("sweep", "a"));
   CHECK(count_below(test.folder.path()) == before);
 }
@@ -197,7 +230,7 @@ TEST_CASE("what is no store of this format is one clear error") {
   CHECK(opening(folder / "file", write) == base + "/file: cannot make the folder: Not a directory");
   CHECK(opening(folder / "other", write) == base + "/other: holds other things than a store; choose another folder");
   CHECK(opening(folder / "broken", write) ==
-        base + "/broken/store.json: damaged; restore it, or choose another folder");
+        cat(base, "/broken/store.json: damaged; 'gust store repair ", base, "/broken' writes it again"));
   for (const auto access : {read, write}) {
     CHECK(opening(folder / "newer", access) == cat(base, "/newer: a store of format 7, made by gust 9.1.0; gust ",
                                                    kVersion,

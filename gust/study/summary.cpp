@@ -4,14 +4,15 @@
 #include <atomic>
 #include <cmath>
 #include <map>
-#include <thread>
 
 #include "gust/eval/aggregate.h"
 #include "gust/eval/share.h"
 #include "gust/study/claim_scores.h"
+#include "gust/study/crew.h"
 #include "gust/study/margin_trial.h"
 #include "gust/study/member_rows.h"
 #include "gust/study/policy_notes.h"
+#include "gust/study/trial_check.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -35,33 +36,28 @@ class Summariser {
         bands_(resampling_stream(study), kBandResamples),
         margins_(resampling_stream(study), kMarginResamples) {}
 
-  struct Part {
+  std::vector<Series> summarise(const TrialGroup& group) {
     std::vector<Series> series;
     std::vector<std::string> missing;
-  };
-
-  Part summarise(const TrialGroup& group) {
-    Part part;
-    MemberRows rows(plan_, group, store_, part.missing);
-    if (rows.members() == 0) return part;
+    MemberRows rows(plan_, group, store_, missing);
+    if (rows.members() == 0) return series;
     const std::size_t starts = rows.header().starts.size();
-    for (std::size_t start = 0; start < starts; ++start)
-      part.series.push_back(empty_series(group, start, rows.header()));
+    for (std::size_t start = 0; start < starts; ++start) series.push_back(empty_series(group, start, rows.header()));
     MarginScores scores(study_, group.sweep);
     const bool with_margin =
         has_margin(group) && rows.has(study_.metric_set.name(margin_metric_)) && take_undisturbed(group, scores);
     for (std::size_t cell = 0; rows.next(); ++cell) {
       for (std::size_t start = 0; start < starts; ++start) {
-        fill_cell(rows, cell, part.series[start]);
+        fill_cell(rows, cell, series[start]);
       }
       if (with_margin) scores.take(study_.sweeps[group.sweep].axes.front().values[cell], rows);
     }
-    if (with_margin) add_levels(group, scores, part);
+    if (with_margin) add_levels(group, scores, series);
     for (std::size_t start = 0; start < starts && with_margin; ++start) {
-      part.series[start].margin = scores.margin(start);
-      part.series[start].has_margin = true;
+      series[start].margin = scores.margin(start);
+      series[start].has_margin = true;
     }
-    return part;
+    return series;
   }
 
  private:
@@ -94,18 +90,15 @@ class Summariser {
   }
 
   /// What the margin's own trial measured, if it is there.
-  void add_levels(const TrialGroup& group, MarginScores& scores, Part& part) {
+  void add_levels(const TrialGroup& group, MarginScores& scores, std::vector<Series>& parts) {
     const auto margin = std::ranges::find_if(plan_.trials, [&](const Trial& trial) {
       return trial.kind == Trial::Kind::kMargin && trial.policy == group.policy && trial.sweep == group.sweep;
     });
     if (margin == plan_.trials.end()) return;
-    const std::optional<StoredTrial> stored = store_.load(kind_name(margin->kind), margin->id);
-    if (!stored) {
-      part.missing.push_back(margin->what);
-      return;
-    }
+    const std::optional<StoredTrial> stored = load_trial(plan_, *margin, store_);
+    if (!stored) return;
     for_each_margin_level(*stored, [&](double level, const MemberRows& rows) {
-      for (Series& series : part.series) series.add_level(level, estimates(rows, series));
+      for (Series& series : parts) series.add_level(level, estimates(rows, series));
       scores.take(level, rows);
     });
   }
@@ -263,29 +256,24 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
   const std::vector<TrialGroup> groups = trial_groups(plan);
   Summary summary;
   summary.margin_metric = margin_metric(study);
-  std::vector<Summariser::Part> parts(groups.size());
+  std::vector<std::vector<Series>> parts(groups.size());
   std::vector<std::exception_ptr> errors(groups.size());
   std::atomic<std::size_t> next = 0;
-  {
-    std::vector<std::jthread> workers;
-    for (std::size_t t = 0; t < std::max<std::size_t>(threads, 1); ++t) {
-      workers.emplace_back([&] {
-        Summariser summariser(study, plan, store, summary.margin_metric);
-        for (std::size_t i = next++; i < groups.size(); i = next++) {
-          try {
-            parts[i] = summariser.summarise(groups[i]);
-          } catch (...) {
-            errors[i] = std::current_exception();
-          }
-        }
-      });
+  run_crew(threads, [&] {
+    Summariser summariser(study, plan, store, summary.margin_metric);
+    for (std::size_t i = next++; i < groups.size(); i = next++) {
+      try {
+        parts[i] = summariser.summarise(groups[i]);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
     }
-  }
+  });
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (errors[i]) std::rethrow_exception(errors[i]);
-    std::ranges::move(parts[i].series, std::back_inserter(summary.series));
-    std::ranges::move(parts[i].missing, std::back_inserter(summary.missing));
+    std::ranges::move(parts[i], std::back_inserter(summary.series));
   }
+  summary.missing = missing_trials(plan, store);
   summary.curves = stored_curves(plan, store);
   summary.kept = stored_traces(plan, store);
   summary.notes = policy_notes(study, plan, store);

@@ -73,7 +73,7 @@ struct Summary {
   std::vector<SeedCurve> curves;     ///< of all trainings that there are, in plan order
   std::vector<KeptTraces> kept;      ///< a choice that a page can hold, evenly over the plan
   std::size_t margin_metric = 0;
-  std::vector<std::string> missing;  ///< trials that are not in the store
+  std::vector<std::string> missing;  ///< trials of the plan that are not in the store: missing_trials()
   std::vector<std::string> notes;    ///< policy_notes(): what is wrong with a policy
 
   /// The series of a policy, sweep and start; null if its trials are missing.

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "gust/study/summary.h"
+#include "gust/study/trial_check.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -8,14 +9,22 @@ namespace {
 
 constexpr std::size_t kMostTraces = 60;  // about 3 MB of a page
 
+std::vector<Trace> stored_traces_of(const StoredTrial& stored) {
+  try {
+    return read_traces(stored.read(kTracesFile), (stored.folder / kTracesFile).string());
+  } catch (const Error& error) {
+    throw Error(cat(error.what(), Store::remedy(stored.folder.parent_path().parent_path())));
+  }
+}
+
 }  // namespace
 
 std::vector<SeedCurve> stored_curves(const Plan& plan, const Store& store) {
   std::vector<SeedCurve> curves;
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kTrain) continue;
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
-    if (stored) curves.push_back({trial.policy, trial.member, read_curve(stored->read(kCurveFile), trial.id)});
+    const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
+    if (stored) curves.push_back({trial.policy, trial.member, read_curve(stored->read(kCurveFile), kCurveFile)});
   }
   return curves;
 }
@@ -30,9 +39,9 @@ std::vector<KeptTraces> stored_traces(const Plan& plan, const Store& store) {
   const std::size_t stride = std::max<std::size_t>(1, (trials.size() + kMostTraces - 1) / kMostTraces);
   for (std::size_t t = 0; t < trials.size(); t += stride) {
     const Trial& trial = *trials[t];
-    const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+    const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     if (!stored) continue;
-    std::vector<Trace> traces = read_traces(stored->read(kTracesFile), trial.id);
+    std::vector<Trace> traces = stored_traces_of(*stored);
     if (traces.size() > each) traces.resize(each);
     if (!traces.empty()) kept.push_back({trial.policy, trial.member, trial.sweep, std::move(traces)});
   }

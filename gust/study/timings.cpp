@@ -1,28 +1,37 @@
 #include "gust/study/timings.h"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "gust/study/files.h"
+#include "gust/study/store_manifest.h"
 
 namespace gust {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kFile = "timings.json";
+constexpr double kFarthest = 1e4;  // that a measurement lies from its prediction
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
 }  // namespace
 
-Timings::Timings(const std::filesystem::path& store) : file_(store / kFile) {
+Timings::Timings(const std::filesystem::path& store) : file_(store / kTimingsName) {
   std::error_code error;
   if (!std::filesystem::exists(file_, error)) return;
   try {
-    const Json json = Json::parse(read_file(file_));
+    const Json json = Json::parse(read_file(file_, kMostBytes));
     for (const auto& [kind, sum] : json.items())
-      known_[kind] = {sum.at("predicted").get<double>(), sum.at("seconds").get<double>()};
+      take(kind, {sum.at("predicted").get<double>(), sum.at("seconds").get<double>()});
   } catch (const std::exception&) {  // predictions are worth no trouble
     known_.clear();
   }
+}
+
+void Timings::take(const std::string& kind, const Sum& sum) {
+  const bool sane = std::isfinite(sum.predicted) && sum.predicted > 0 && std::isfinite(sum.seconds) && sum.seconds > 0;
+  if (sane) known_[kind] = sum;
 }
 
 void Timings::note(const std::string& kind, double predicted, double seconds) {
@@ -50,7 +59,8 @@ void Timings::save() const {
 double Timings::factor(const std::string& kind) const {
   const std::lock_guard lock(mutex_);
   const auto at = known_.find(kind);
-  return at == known_.end() || !(at->second.predicted > 0) ? 1.0 : at->second.seconds / at->second.predicted;
+  if (at == known_.end()) return 1.0;
+  return std::clamp(at->second.seconds / at->second.predicted, 1.0 / kFarthest, kFarthest);
 }
 
 std::string timing_kind(const Study& study, const Trial& trial) {

@@ -51,6 +51,14 @@ Trace trace_from(const Json& json) {
 
 }  // namespace
 
+double number_from_text(std::string_view text, std::string_view name) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc{} || read != end) throw Error(cat(name, ": not a number"));
+  return number;
+}
+
 std::string curve_text(const std::vector<CurvePoint>& curve) {
   std::string text = cat(kCurveHead, "\n");
   for (const CurvePoint& p : curve) {

@@ -1,7 +1,6 @@
 #include "gust/study/trials.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 
@@ -13,6 +12,7 @@
 #include "gust/study/margin_trial.h"
 #include "gust/study/policies.h"
 #include "gust/study/trace_choice.h"
+#include "gust/study/trial_check.h"
 
 namespace gust {
 namespace {
@@ -21,13 +21,22 @@ constexpr std::chrono::seconds kBetweenCheckpoints{2};
 
 Outcome failure(std::string reason) { return {Outcome::State::failed, std::move(reason)}; }
 
+/// A checkpoint that cannot be written is told, and the training goes on without it.
+void try_checkpoint(const Store& store, const std::string& id, const Training& training) {
+  try {
+    save_checkpoint(store, id, training.save());
+  } catch (const Error& error) {
+    store.tell(cat("warning: no checkpoint: ", error.what()));
+  }
+}
+
 /// Advances to the end, keeping checkpoints; false if it was stopped before.
 bool train_to_end(Training& training, const Store& store, const std::string& id, std::stop_token stop,
                   ProgressSink& progress) {
   CheckpointPace pace(kBetweenCheckpoints);
   while (!training.done()) {
     const bool stopping = stop.stop_requested();
-    if (stopping || pace.due()) pace.keep([&] { save_checkpoint(store, id, training.save()); });
+    if (stopping || pace.due()) pace.keep([&] { try_checkpoint(store, id, training); });
     if (stopping) return false;
     training.advance();
     progress.set(static_cast<double>(training.steps()) / static_cast<double>(training.total_steps()));
@@ -175,7 +184,7 @@ Outcome run_search(const Study& study, const Plan& plan, const Trial& trial, con
 Outcome run_trial(const Study& study, const Plan& plan, std::size_t index, const Store& store, std::stop_token stop,
                   ProgressSink& progress) {
   const Trial& trial = plan.trials[index];
-  if (const std::optional<StoredTrial> done = store.load(kind_name(trial.kind), trial.id)) {
+  if (const std::optional<StoredTrial> done = load_trial(plan, trial, store)) {
     return done->contains(kFailureFile) ? failure(done->read(kFailureFile)) : Outcome{};
   }
   switch (trial.kind) {
@@ -248,7 +257,7 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
       break;
   }
   const Trial& training = plan.trials[trial.inputs.front()];
-  const std::optional<StoredTrial> stored = store.load(kind_name(training.kind), training.id);
+  const std::optional<StoredTrial> stored = load_trial(plan, training, store);
   if (!stored || !stored->contains(kPolicyFile))
     throw Error(cat("the policy of '", training.what, "' is not in the store"));
   return onnx_policy(stored->read(kPolicyFile), training.id, study.setup, {.alpha = policy.alpha});
@@ -257,19 +266,20 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
 std::optional<std::string> training_failure(const Plan& plan, const Trial& trial, const Store& store) {
   const Trial& first = trial.inputs.empty() ? trial : plan.trials[trial.inputs.front()];
   if (first.kind != Trial::Kind::kTrain) return {};
-  const std::optional<StoredTrial> stored = store.load(kind_name(first.kind), first.id);
+  const std::optional<StoredTrial> stored = load_trial(plan, first, store);
   if (!stored || !stored->contains(kFailureFile)) return {};
   return stored->read(kFailureFile);
 }
 
-std::optional<double> found_level(const Store& store, const Trial& trial) {
-  if (!store.has(kind_name(trial.kind), trial.id)) return std::nullopt;
-  const std::optional<StoredTrial> stored = store.load(kind_name(trial.kind), trial.id);
+std::optional<double> found_level(const Plan& plan, const Trial& trial, const Store& store) {
+  const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
   if (!stored) return std::nullopt;
-  const std::string text = stored->read(kLevelFile);
-  double level = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
-  if (error != std::errc{}) throw Error(cat(trial.id, "/", kLevelFile, ": not a number"));
+  return read_level(*stored);
+}
+
+double read_level(const StoredTrial& stored) {
+  const double level = number_from_text(stored.read(kLevelFile), kLevelFile);
+  if (!(level >= 0)) throw Error(cat(kLevelFile, ": must be a level, got ", level));
   return level;
 }
 

@@ -44,7 +44,12 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
 std::optional<std::string> training_failure(const Plan& plan, const Trial& trial, const Store& store);
 
 /// The failure level of a finished search; infinite if nothing failed up to the limit, none if it is not finished.
-std::optional<double> found_level(const Store& store, const Trial& trial);
+std::optional<double> found_level(const Plan& plan, const Trial& trial, const Store& store);
+/// The same from its files; an Error if it is not one number that is not negative.
+double read_level(const StoredTrial& stored);
+
+/// The number that a whole text is; an Error, which begins with the name, if it is none.
+double number_from_text(std::string_view text, std::string_view name);
 
 /// Learning curves as the store keeps them.
 std::string curve_text(const std::vector<CurvePoint>& curve);

@@ -5,6 +5,7 @@
 #include "gust/cli/study_command.h"
 #include "gust/core/text.h"
 #include "gust/study/comparison.h"
+#include "gust/study/trial_check.h"
 
 namespace gust {
 namespace {
@@ -77,7 +78,8 @@ Json sweep_json(const Study& study, const SweepComparison& item) {
           {"levels", levels}};
 }
 
-std::string json_text(const Study& study, const PolicyPair& pair, const std::vector<SweepComparison>& found) {
+std::string json_text(const Study& study, const PolicyPair& pair, const std::vector<SweepComparison>& found,
+                      const std::vector<std::string>& missing) {
   Json sweeps = Json::array();
   for (const SweepComparison& item : found) sweeps.push_back(sweep_json(study, item));
   return Json{{"study", study.name},
@@ -85,7 +87,8 @@ std::string json_text(const Study& study, const PolicyPair& pair, const std::vec
               {"b", study.policies[pair.b].name},
               {"start", study.starts[pair.start].name},
               {"metric", study.metric_set.name(margin_metric(study))},
-              {"comparisons", sweeps}}
+              {"comparisons", sweeps},
+              {"missing", missing}}
              .dump(2, ' ', false, Json::error_handler_t::replace) +
          "\n";
 }
@@ -139,10 +142,14 @@ int compare_command(const Options& options) {
                         start_of(open.study, options.start)};
   if (pair.a == pair.b) throw Error(cat("'", options.a, "' is compared with itself; name two policies"));
   const std::vector<SweepComparison> found = compare_policies(open.study, open.plan, *open.store, pair);
-  print_lines(options.json ? json_text(open.study, pair, found) : plain_text(open.study, pair, found));
-  const std::size_t missing = open.study.sweeps.size() + 1 - found.size();
-  if (missing > 0) tell(cat("not in the store: ", missing, " of ", open.study.sweeps.size() + 1, " comparisons"));
-  return missing == 0 ? kDone : kTrialFailed;
+  Plan theirs = open.plan;
+  std::erase_if(theirs.trials, [&](const Trial& trial) { return trial.policy != pair.a && trial.policy != pair.b; });
+  const std::vector<std::string> missing = missing_trials(theirs, *open.store);
+  print_lines(options.json ? json_text(open.study, pair, found, missing) : plain_text(open.study, pair, found));
+  for (const std::string& trial : missing) tell(cat("not in the store: ", trial));
+  const std::size_t lacks = open.study.sweeps.size() + 1 - found.size();
+  if (lacks > 0) tell(cat("not in the store: ", lacks, " of ", open.study.sweeps.size() + 1, " comparisons"));
+  return lacks == 0 && missing.empty() ? kDone : kTrialFailed;
 }
 
 }  // namespace

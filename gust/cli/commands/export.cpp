@@ -1,10 +1,11 @@
 #include "gust/study/export.h"
 
 #include <map>
+#include <set>
 
 #include "gust/cli/command.h"
+#include "gust/cli/output_file.h"
 #include "gust/cli/study_command.h"
-#include "gust/study/files.h"
 #include "gust/study/trials.h"
 
 namespace gust {
@@ -18,7 +19,7 @@ constexpr const char* kFooter =
     "two rows agree in all but the value.";
 
 /// Tells which evaluations a table lacks, those of a training that failed together, and gives the exit code.
-int tell_what_lacks(const OpenStudy& open, const std::vector<std::size_t>& missing) {
+int tell_what_lacks(const OpenStudy& open, const std::set<std::size_t>& missing) {
   std::map<std::string, std::size_t> of_failed;
   for (const std::size_t i : missing) {
     const Trial& trial = open.plan.trials[i];
@@ -37,6 +38,7 @@ int tell_what_lacks(const OpenStudy& open, const std::vector<std::size_t>& missi
 void command_export(CLI::App& app, int& exit_code) {
   struct Options {
     std::string folder, csv, sqlite;
+    bool force = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("export", "Writes every episode of a study as one table");
@@ -44,19 +46,22 @@ void command_export(CLI::App& app, int& exit_code) {
   CLI::Option* csv = command->add_option("--csv", options->csv, "CSV file: a row an episode and metric, in plan order");
   CLI::Option* sqlite =
       command->add_option("--sqlite", options->sqlite, "SQLite file: the same, and the learning curves");
+  command->add_flag("--force", options->force, "replace files that are no tables of gust");
   csv->type_name("FILE");
   sqlite->type_name("FILE");
   command->footer(kFooter);
   command->callback([options, &exit_code] {
     if (options->csv.empty() && options->sqlite.empty())
       throw Error("where to? give --csv FILE, --sqlite FILE, or both (gust export --help)");
-    if (options->csv == options->sqlite) throw Error("--csv and --sqlite: name two files");
-    if (!options->csv.empty()) check_folder_of(options->csv, "--csv");
-    if (!options->sqlite.empty()) check_folder_of(options->sqlite, "--sqlite");
+    if (!options->csv.empty() && !options->sqlite.empty() && is_same_output(options->csv, options->sqlite))
+      throw Error("--csv and --sqlite: name two files");
+    if (!options->csv.empty()) check_output(options->csv, OutputKind::csv, "--csv", options->force);
+    if (!options->sqlite.empty()) check_output(options->sqlite, OutputKind::sqlite, "--sqlite", options->force);
     const OpenStudy open = open_study(options->folder);
-    std::vector<std::size_t> missing;
-    if (!options->csv.empty()) missing = export_csv(open.study, open.plan, *open.store, options->csv);
-    if (!options->sqlite.empty()) missing = export_sqlite(open.study, open.plan, *open.store, options->sqlite);
+    std::set<std::size_t> missing;
+    const auto add = [&](const std::vector<std::size_t>& trials) { missing.insert(trials.begin(), trials.end()); };
+    if (!options->csv.empty()) add(export_csv(open.study, open.plan, *open.store, options->csv));
+    if (!options->sqlite.empty()) add(export_sqlite(open.study, open.plan, *open.store, options->sqlite));
     exit_code = tell_what_lacks(open, missing);
   });
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "gust/cli/command.h"
+#include "gust/cli/environment.h"
 #include "gust/cli/progress.h"
 #include "gust/cli/progress_text.h"
 #include "gust/cli/reproduction_command.h"
@@ -301,6 +302,7 @@ int reproduce(Options& options) {
   check_claims(reproduction);
   const StudyFolder folder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
   check_folder(folder.path(), reproduction, !options.claims.empty());
+  if (!options.so_far) warn_of_plain_products();
   const std::size_t threads = thread_count(options.threads);
   const Store store(folder.store(), Store::Access::write, tell);
   const Run run = options.so_far ? look_up_all(reproduction, store) : run_all(reproduction, store, threads);
@@ -325,7 +327,8 @@ int reproduce(Options& options) {
   }
   fmt::print("{}", options.json ? verdicts_json(results) + "\n" : verdicts_text(results));
   if (!options.json && !page.empty()) print_lines(cat("\nPage: ", page, "\n"));
-  return results.failures.empty() && results.missing == 0 && !page.empty() ? kDone : kTrialFailed;
+  const bool whole = results.failures.empty() && results.missing == 0 && store.disagreements() == 0;
+  return whole && !page.empty() ? kDone : kTrialFailed;
 }
 
 }  // namespace

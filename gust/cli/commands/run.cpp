@@ -1,4 +1,6 @@
 #include "gust/cli/command.h"
+#include "gust/cli/environment.h"
+#include "gust/cli/output_file.h"
 #include "gust/cli/progress.h"
 #include "gust/cli/signals.h"
 #include "gust/cli/study_command.h"
@@ -25,24 +27,12 @@ bool required_claims_hold(const Study& study, const Summary& summary) {
   return held == required;
 }
 
-int run(const Options& options) {
-  Study study = StudyFolder::read(options.study, options.settings);
-  const StudyFolder folder(options.out.empty() ? standard_folder(study) : options.out);
-  for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
+/// What follows the trials: the page and the answer.
+int tell_results(const Options& options, const StudyFolder& folder, const Study& study, const Store& store,
+                 const RunOutcome& outcome) {
   const std::size_t threads = thread_count(options.threads);
-  folder.keep(study, {options.study, options.settings});
-  const Store store(folder.store(), Store::Access::write, tell);
-
-  SignalWatch signals;
-  RunOptions how{threads, signals.token(), {}};
-  how.watch = [](Progress& progress, const std::function<void()>& work) { show_progress(progress, work); };
-  const RunOutcome outcome = run_study(study, store, how);
   const std::vector<std::string> warnings = complaints(std::span(&outcome, 1));
   for (const std::string& line : warnings) tell(line);
-  if (outcome.stopped) {
-    tell("stopped; the same command goes on from here");
-    return signals.exit_code();
-  }
   const Summary summary = summarise(study, outcome.plan, store, threads);
   for (const std::string& note : summary.notes) tell(cat("warning: ", note));
   std::string report;
@@ -52,10 +42,47 @@ int run(const Options& options) {
   } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
     tell(error.what());
   }
-  print_lines(options.json ? summary_json(study, summary) + "\n" : summary_text(study, summary));
-  if (!options.json && !report.empty()) print_lines(cat("Page: ", report, "\n"));
-  if (outcome.failed() > 0 || report.empty()) return kTrialFailed;
+  std::string answer = options.json ? summary_json(study, summary) + "\n" : summary_text(study, summary);
+  if (!options.json && !report.empty()) answer += cat("Page: ", report, "\n");
+  const std::string where = cat("the results are in ", folder.path().string(), " (gust show)");
+  const bool told = print_result(answer, where);
+  const bool lacks = outcome.failed() > 0 || !summary.missing.empty() || store.disagreements() > 0;
+  if (lacks || report.empty() || !told) return kTrialFailed;
   return options.require && !required_claims_hold(study, summary) ? kCheckFailed : kDone;
+}
+
+int run(const Options& options) {
+  SignalWatch signals;
+  Study study = StudyFolder::read(options.study, options.settings);
+  const StudyFolder folder(options.out.empty() ? standard_folder(study) : options.out);
+  for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
+  warn_of_plain_products();
+  const std::size_t threads = thread_count(options.threads);
+  std::error_code unknown;
+  if (std::filesystem::exists(folder.report(), unknown)) check_output(folder.report(), OutputKind::page, "--out");
+  folder.keep(study, {options.study, options.settings});
+  const Store store(folder.store(), Store::Access::write, tell);
+  tell_plan(plan_with_store(study, store), store, threads);
+
+  bool worked = false;
+  RunOptions how{threads, signals.token(), {}};
+  how.watch = [&](Progress& progress, const std::function<void()>& work) {
+    worked = true;
+    show_progress(progress, work);
+  };
+  try {
+    const RunOutcome outcome = run_study(study, store, how);
+    worked = true;
+    if (!outcome.stopped) return tell_results(options, folder, study, store, outcome);
+    for (const std::string& line : complaints(std::span(&outcome, 1))) tell(line);
+  } catch (const std::exception& error) {
+    if (!worked) throw;
+    tell(error.what());
+    tell(cat("what was finished is safe in ", folder.path().string(), "; the same command goes on from there"));
+    return kTrialFailed;
+  }
+  tell("stopped; the same command goes on from here");
+  return signals.exit_code();
 }
 
 }  // namespace

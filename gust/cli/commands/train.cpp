@@ -1,10 +1,14 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <filesystem>
 
 #include "gust/cli/command.h"
+#include "gust/cli/environment.h"
 #include "gust/cli/progress.h"
+#include "gust/cli/progress_text.h"
 #include "gust/cli/signals.h"
+#include "gust/cli/study_command.h"
 #include "gust/cli/training_run.h"
 
 namespace gust {
@@ -22,15 +26,24 @@ constexpr const char* kAbout =
 int train(const TrainRequest& request) {
   SignalWatch signals;
   TrainingRun run(request);
+  warn_of_plain_products();
   for (const std::string& warning : run.warnings()) tell(cat("warning: ", warning));
+  if (isatty(STDERR_FILENO) == 0 && run.predicted_seconds() > kWorthTelling)
+    tell(cat(run.total_steps(), " steps, about ", clock_text(run.predicted_seconds())));
   TrainingRun::End end{};
   const Job job{.name = request.agent, .run = {}};
   Progress progress({&job, 1});
-  show_progress(progress, [&] {
-    progress.start(0);
-    end = run.go(signals.token(), [&](double fraction) { progress.advance(0, fraction); });
-    progress.finish(0);
-  });
+  try {
+    show_progress(progress, [&] {
+      progress.start(0);
+      end = run.go(signals.token(), [&](double fraction) { progress.advance(0, fraction); });
+      progress.finish(0);
+    });
+  } catch (const Error& error) {
+    tell(cat(error.what(), "; the training is kept in ", request.out,
+             ".checkpoint, and the same command goes on there"));
+    return kTrialFailed;
+  }
   if (end == TrainingRun::End::stopped) {
     tell(cat("stopped at ", run.steps(), " of ", run.total_steps(), " steps; the same command goes on from here"));
     return signals.exit_code();
@@ -40,8 +53,7 @@ int train(const TrainRequest& request) {
     return kTrialFailed;
   }
   tell(format("{} steps; return / horizon {:.4f} in the last evaluation", run.steps(), run.last_score()));
-  print_lines(cat(request.out, "\n"));
-  return kDone;
+  return print_result(cat(request.out, "\n"), cat("the policy is in ", request.out)) ? kDone : kTrialFailed;
 }
 
 }  // namespace
@@ -64,6 +76,7 @@ void command_train(CLI::App& app, int& exit_code) {
   command->add_option("--set", request->settings, "an option of the agent, the readings or the plant")
       ->type_name("KEY=VALUE");
   command->add_option("--out", request->out, "where the policy goes")->required()->type_name("FILE.onnx");
+  command->add_flag("--force", request->force, "replace a file that is no policy of gust");
   command->footer(
       "Example:\n  gust train ppo --plant cartpole --preset scg-2022 --steps 100000 --seed 1 --out ppo.onnx");
   command->callback([request, &exit_code] { exit_code = train(*request); });

@@ -37,7 +37,7 @@ Recording load_recording(const std::string& file) {
     throw Error(cat(file, ": a recording is named by its JSON file; is ",
                     fs::path(file).replace_extension(".json").string(), " meant? (gust validate --help)"));
   }
-  const std::string description = read_file(json);
+  const std::string description = read_file(json, std::size_t{256} << 10);
   std::error_code unknown;
   if (!fs::exists(csv, unknown))
     throw Error(cat(csv.string(), ": is not there; the records of ", file, " lie beside it"));
