@@ -6,7 +6,7 @@
 
 // SAC, WCPG and RAAC on the cart-pole with networks of 256 x 256: one update with everything that belongs to it
 // (environment steps, memory, networks, optimisers), from the shortest of many bursts of 20. `of_peak` counts the MFLOP
-// that each line names (spec: algorithms 10); RAAC has two critics and 32 x 32 fractions.
+// that each line names (docs/algorithms.md 9); RAAC has two critics and 32 x 32 fractions.
 
 using namespace gust;
 

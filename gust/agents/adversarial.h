@@ -5,7 +5,8 @@
 
 namespace gust {
 
-/// PPO's options, which hold for both sides, and where the other side acts: what RARL and RAP share (algorithms 3.1).
+/// PPO's options, which hold for both sides, and where the other side acts: what RARL and RAP share
+/// (docs/algorithms.md 3.1).
 struct AdversarialOptions : PpoOptions {
   std::string site = "dynamics";
   double scale = 0.1;

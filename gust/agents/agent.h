@@ -24,7 +24,7 @@ struct TrainingTask {
 };
 
 /// Ten deterministic episodes from the starts of the training, without any disturbance, with nominal parameters, unless
-/// the task says otherwise (algorithms 0.7).
+/// the task says otherwise (docs/algorithms.md 7.4).
 struct CurvePoint {
   std::int64_t steps = 0;  ///< environment steps of the training so far
   double return_mean = 0;  ///< of the return sum, the episode ending at failure

@@ -9,7 +9,7 @@
 namespace gust {
 
 /// The environments of a training, stepped together. An episode that ends, by failure or at its last step, is followed
-/// at once by the next of the same environment (algorithms 0.6).
+/// at once by the next of the same environment (docs/algorithms.md 7.2).
 ///
 /// Episode n of environment i has its own random streams for start, parameters and disturbances: nothing else moves
 /// them.

@@ -8,7 +8,7 @@
 
 namespace gust {
 
-/// The two critics of WCPG (algorithms 4.1 to 4.4): each says that returns are N(Q, s^2), and a state with an action is
+/// The two critics of WCPG (docs/algorithms.md 4): each says that returns are N(Q, s^2), and a state with an action is
 /// worth the lesser of their conditional values at risk Q - c(alpha) s, alpha being the last input. Targets take mean
 /// and variance of the slow copy whose value is lesser.
 class GaussianCritic final : public Critic {

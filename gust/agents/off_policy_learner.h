@@ -12,8 +12,8 @@ namespace gust {
 /// Builds the critics of a learner, from the stream that their first parameters are drawn from.
 using MakeCritic = std::function<std::unique_ptr<Critic>(const OffPolicyOptions&, const TransitionShape&, Rng)>;
 
-/// Soft actor-critic around any critics (algorithms 2.2): a stochastic actor, a temperature, and one update that
-/// teaches both and the critics from a minibatch of the memory. What it learns from, and when, is the training's
+/// Soft actor-critic around any critics (docs/algorithms.md 2.2): a stochastic actor, a temperature, and one update
+/// that teaches both and the critics from a minibatch of the memory. What it learns from, and when, is the training's
 /// business.
 class OffPolicyLearner {
  public:

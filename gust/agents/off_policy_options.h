@@ -5,7 +5,7 @@
 namespace gust {
 
 /// What all agents that learn from a memory of transitions share: soft actor-critic (Haarnoja et al. 2018), and what is
-/// built on it. The defaults are those of safe-control-gym (algorithms 2.1).
+/// built on it. The defaults are those of safe-control-gym (docs/algorithms.md 2.1).
 struct OffPolicyOptions {
   std::int64_t steps = 1'000'000;
   std::int64_t environments = 4;

@@ -25,8 +25,8 @@ struct OffPolicySetup {
   std::function<void(Minibatch&, Rng)> prepare = {};  ///< see OffPolicyLearner::prepare
 };
 
-/// A training from memory, the same for all such agents (algorithms 2.1): environments stepped together, a warm-up of
-/// random actions, every transition kept, updates owed and done in bursts, a learning curve, checkpoints.
+/// A training from memory, the same for all such agents (docs/algorithms.md 2.1): environments stepped together, a
+/// warm-up of random actions, every transition kept, updates owed and done in bursts, a learning curve, checkpoints.
 class OffPolicyTraining final : public Training {
  public:
   OffPolicyTraining(OffPolicySetup setup, const TrainingTask& task);

@@ -5,7 +5,7 @@
 namespace gust {
 
 /// Adversaries that share some environments: each environment has one of them, its owner, drawn uniformly with
-/// replacement. Each learns from the samples that it owned (algorithms 3.3).
+/// replacement. Each learns from the samples that it owned (docs/algorithms.md 3.3).
 class Population {
  public:
   struct Options {

@@ -37,7 +37,7 @@ class Ppo final : public Agent {
 Entry<Agent> agent_ppo() {
   return make_entry<Agent, PpoOptions>(
       "ppo", "Proximal policy optimisation: a stochastic actor and a critic that learn from clipped steps.",
-      "Schulman et al. 2017; safe-control-gym's PPO (spec: algorithms 1)",
+      "Schulman et al. 2017; safe-control-gym's PPO (docs/algorithms.md 1)",
       [](const PpoOptions& options) { return std::make_unique<Ppo>(options); });
 }
 

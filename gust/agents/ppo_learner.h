@@ -41,7 +41,7 @@ struct PpoStep {
   bool actor_moved = false;  ///< false where the divergence was too large
 };
 
-/// A stochastic actor and a critic that learn from rollouts (algorithms 1.2 and 1.3): what PPO trains, and each side of
+/// A stochastic actor and a critic that learn from rollouts (docs/algorithms.md 1): what PPO trains, and each side of
 /// an adversarial training.
 class PpoLearner {
  public:

@@ -5,7 +5,8 @@
 
 namespace gust {
 
-/// Proximal policy optimisation (Schulman et al. 2017); the defaults are those of safe-control-gym (algorithms 1.1).
+/// Proximal policy optimisation (Schulman et al. 2017); the defaults are those of safe-control-gym
+/// (docs/algorithms.md 1.1).
 struct PpoOptions {
   std::int64_t steps = 1'000'000;
   std::int64_t environments = 4;

@@ -25,9 +25,9 @@ struct TrainedQuantiles {
   std::array<AdamState<float>, 3> adam;  ///< of the network's parts
 };
 
-/// The critics of RAAC (algorithms 5): each gives the quantiles of the return, and a state with an action is worth the
-/// mean of the lowest, at fractions drawn from U(0, alpha); of two critics, the lesser. They learn by the quantile
-/// Huber loss
+/// The critics of RAAC (docs/algorithms.md 5): each gives the quantiles of the return, and a state with an action is
+/// worth the mean of the lowest, at fractions drawn from U(0, alpha); of two critics, the lesser. They learn by the
+/// quantile Huber loss
 ///
 ///   y_j = reward + discount alive (min over the slow copies of Z'(s', a'; tau'_j) - temperature log pi(a'|s'))
 class QuantileCritic final : public Critic {

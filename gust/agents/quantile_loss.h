@@ -12,8 +12,8 @@ struct QuantileSamples {
   const Tiles<T>& targets;  ///< lanes x targets
 };
 
-/// The quantile Huber loss (Dabney et al. 2018; algorithms 5.2), its mean over lanes, fractions i and targets j, and
-/// its gradient at the quantiles:
+/// The quantile Huber loss (Dabney et al. 2018; docs/algorithms.md 5.2), its mean over lanes, fractions i and targets
+/// j, and its gradient at the quantiles:
 ///
 ///   rho(d_ij) = |tau_i - 1{d_ij < 0}| L(d_ij) / kappa         d_ij = y_j - Z_i
 ///   L(d) = d^2 / 2 for |d| <= kappa, else kappa (|d| - kappa / 2)

@@ -28,7 +28,7 @@ Entry<Agent> agent_raac() {
   return make_entry<Agent, RaacOptions>(
       "raac",
       "Risk-averse actor-critic: soft actor-critic whose critics know the quantiles of the return, for one risk level.",
-      "Urpi, Curi and Krause 2021, on SAC as Glossop et al. 2022 (spec: algorithms 5)",
+      "Urpi, Curi and Krause 2021, on SAC as Glossop et al. 2022 (docs/algorithms.md 5)",
       [](const RaacOptions& options) { return std::make_unique<Raac>(options); });
 }
 

@@ -4,7 +4,7 @@
 
 namespace gust {
 
-/// Risk-averse actor-critic (Urpi et al. 2021) on soft actor-critic (algorithms 5). The defaults are what was
+/// Risk-averse actor-critic (Urpi et al. 2021) on soft actor-critic (docs/algorithms.md 5). The defaults are what was
 /// published, with two critics: the profile `raac`.
 struct RaacOptions : OffPolicyOptions {
   double alpha = 0.3;

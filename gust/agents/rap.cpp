@@ -74,7 +74,7 @@ void RapTraining::load_more(Loader& loader) {
 Entry<Agent> agent_rap() {
   return make_entry<Agent, RapOptions>(
       "rap", "PPO against a population of adversaries: every environment has one, and all sides learn at once.",
-      "Vinitsky et al. 2020; safe-control-gym's RAP (spec: algorithms 3.3)",
+      "Vinitsky et al. 2020; safe-control-gym's RAP (docs/algorithms.md 3.3)",
       [](const RapOptions& options) { return std::make_unique<Rap>(options); });
 }
 

@@ -6,7 +6,7 @@
 
 namespace gust {
 
-/// Robustness by adversary populations (Vinitsky et al. 2020), as safe-control-gym has it (algorithms 3.3).
+/// Robustness by adversary populations (Vinitsky et al. 2020), as safe-control-gym has it (docs/algorithms.md 3.3).
 struct RapOptions : AdversarialOptions {
   RapOptions() { site = "action"; }
 

@@ -61,7 +61,7 @@ std::vector<TrainedAdversary> RarlTraining::adversaries() const {
 Entry<Agent> agent_rarl() {
   return make_entry<Agent, RarlOptions>(
       "rarl", "PPO against an adversary that learns to disturb it: both sides act, and learn in turn.",
-      "Pinto et al. 2017; safe-control-gym's RARL (spec: algorithms 3.2)",
+      "Pinto et al. 2017; safe-control-gym's RARL (docs/algorithms.md 3.2)",
       [](const RarlOptions& options) { return std::make_unique<Rarl>(options); });
 }
 

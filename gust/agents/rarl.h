@@ -5,7 +5,7 @@
 
 namespace gust {
 
-/// Robust adversarial reinforcement learning (Pinto et al. 2017), as safe-control-gym has it (algorithms 3.2).
+/// Robust adversarial reinforcement learning (Pinto et al. 2017), as safe-control-gym has it (docs/algorithms.md 3.2).
 struct RarlOptions : AdversarialOptions {
   std::int64_t agent_iterations = 1;
   std::int64_t adversary_iterations = 1;

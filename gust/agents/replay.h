@@ -24,7 +24,7 @@ struct TransitionShape {
 };
 
 /// One step of one environment. An episode that time alone ended is still alive, and `next` is its own last observation
-/// (algorithms 2.2).
+/// (docs/algorithms.md 2.2).
 struct Transition {
   std::span<const float> observation;
   std::span<const float> action;

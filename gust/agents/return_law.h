@@ -4,7 +4,7 @@
 
 namespace gust {
 
-/// What a critic of WCPG says of a return: N(mean, deviation^2) (algorithms 4.1).
+/// What a critic of WCPG says of a return: N(mean, deviation^2) (docs/algorithms.md 4.1).
 struct ReturnLaw {
   double mean = 0;
   double deviation = 0;
@@ -43,7 +43,7 @@ enum class VarianceLoss {
   kDivergence,   ///< V - yV ln V, the generalised Kullback-Leibler divergence: unbiased, in the unit of (Q - y)^2
 };
 
-/// How a critic's variance learns (algorithms 4.3).
+/// How a critic's variance learns (docs/algorithms.md 4.3).
 struct ReturnLossOptions {
   double discount = 0.99;
   bool second_moment = true;  ///< variance target from the second moment (published), else from the squared TD error

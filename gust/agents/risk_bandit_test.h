@@ -26,8 +26,9 @@ inline std::array<double, 3> evenly(std::uint64_t i) {
   return point;
 }
 
-/// One step, an action a in 0 … 1, reward 10 N(a, a^4): the best action at a level is 1 / (2 c), or 1 (algorithms
-/// 8.6.6), whatever the unit of reward. In tens no deviation that matters lies where softplus has hardly a slope.
+/// One step, an action a in 0 … 1, reward 10 N(a, a^4): the best action at a level is 1 / (2 c), or 1
+/// (docs/algorithms.md 8.6.6), whatever the unit of reward. In tens no deviation that matters lies where softplus has
+/// hardly a slope.
 ///
 /// Actions, levels and quantiles of the rewards fill the memory evenly, so that what it holds is the law itself and no
 /// sample of it. The second half of a training is at a tenth of the rates, for a critic that trembles is wrong by the

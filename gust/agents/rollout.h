@@ -54,7 +54,7 @@ struct Rollout {
 /// own.
 void oppose(const Rollout& rollout, Rollout& opponent);
 
-/// How returns are estimated (algorithms 1.2).
+/// How returns are estimated (docs/algorithms.md 1.2).
 struct ReturnOptions {
   double discount = 0.99;
   double lambda = 0.95;

@@ -28,7 +28,7 @@ class Sac final : public Agent {
 Entry<Agent> agent_sac() {
   return make_entry<Agent, OffPolicyOptions>(
       "sac", "Soft actor-critic: a squashed Gaussian actor and twin critics that learn from a memory of transitions.",
-      "Haarnoja et al. 2018; safe-control-gym's SAC (spec: algorithms 2)",
+      "Haarnoja et al. 2018; safe-control-gym's SAC (docs/algorithms.md 2)",
       [](const OffPolicyOptions& options) { return std::make_unique<Sac>(options); });
 }
 

@@ -7,8 +7,8 @@
 
 namespace gust {
 
-/// The weight of the entropy (algorithms 2.2): fixed, or moved along the gradient of -log alpha mean(log pi + target),
-/// at log alpha.
+/// The weight of the entropy (docs/algorithms.md 2.2): fixed, or moved along the gradient of -log alpha mean(log pi +
+/// target), at log alpha.
 class Temperature {
  public:
   Temperature(const OffPolicyOptions& options, std::size_t actions);

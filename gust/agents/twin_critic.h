@@ -8,8 +8,8 @@
 
 namespace gust {
 
-/// The two critics of soft actor-critic (algorithms 2.2): the value of an action is the lesser of theirs. Both learn,
-/// by the mean squared error, the target
+/// The two critics of soft actor-critic (docs/algorithms.md 2.2): the value of an action is the lesser of theirs. Both
+/// learn, by the mean squared error, the target
 ///
 ///   y = reward + discount alive (min over the slow copies of Q'(s', a') - temperature log pi(a'|s'))
 class TwinCritic final : public Critic {

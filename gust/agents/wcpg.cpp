@@ -41,7 +41,7 @@ Entry<Agent> agent_wcpg() {
       "Worst cases policy gradients: soft actor-critic whose critics know mean and variance of the return, for one "
       "risk "
       "level or all.",
-      "Tang, Zhang and Salakhutdinov 2020, on SAC as Glossop et al. 2022 (spec: algorithms 4)",
+      "Tang, Zhang and Salakhutdinov 2020, on SAC as Glossop et al. 2022 (docs/algorithms.md 4)",
       [](const WcpgOptions& options) { return std::make_unique<Wcpg>(options); });
 }
 

@@ -6,8 +6,8 @@
 
 namespace gust {
 
-/// Worst cases policy gradients (Tang et al. 2020) on soft actor-critic (algorithms 4). The defaults are what was
-/// published: the profile `wcpg`.
+/// Worst cases policy gradients (Tang et al. 2020) on soft actor-critic (docs/algorithms.md 4). The defaults are what
+/// was published: the profile `wcpg`.
 struct WcpgOptions : OffPolicyOptions {
   double alpha_min = 0.01;
   double alpha_max = 1.0;

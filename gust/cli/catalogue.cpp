@@ -157,7 +157,7 @@ CatalogueKind site_kind() {
   CatalogueKind kind{"site", "sites", {}};
   for (const Site site : kSites) {
     CatalogueItem item{
-        std::string(site_name(site)), kSummaries[static_cast<int>(site)], "spec: tasks 3.1", {}, {}, {}, {}};
+        std::string(site_name(site)), kSummaries[static_cast<int>(site)], "docs/disturbances.md 1", {}, {}, {}, {}};
     std::string channel;
     for (const Entry<Plant>& plant : plants().entries()) {
       const Made<Plant> made = plant.make(Table{});

@@ -8,7 +8,7 @@ namespace gust {
 ///
 ///   w = scale clip(v, -1, 1) + offset        [physical units of the site]
 ///
-/// which is added to the site's disturbance for one control step (algorithms 3.1, tasks 3.4): a force, a share of the
+/// which is added to the site's disturbance for one control step (docs/disturbances.md 4): a force, a share of the
 /// actuator's input, or what the next observation is off by. The reference simulator takes the observation site and
 /// then ignores it.
 struct AdversarySite {

@@ -159,7 +159,7 @@ void ClosedLoop::aim() noexcept {
   }
 }
 
-/// The references ahead, after the state in the observation. The first observation never lags (tasks 2.4).
+/// The references ahead, after the state in the observation. The first observation never lags (docs/plants.md 2.4).
 void ClosedLoop::show_references(std::size_t lane) noexcept {
   const PlantSpec& spec = plant_.spec();
   const auto lag = static_cast<std::int64_t>(counter_[lane] > 0 ? spec.reference_lag : 0);
@@ -206,7 +206,7 @@ std::span<const double> ClosedLoop::reward() const {
   }
 }
 
-/// reward = exp(-(cost + w_u sum (u - u_goal)^2)); tasks 1.5.
+/// reward = exp(-(cost + w_u sum (u - u_goal)^2)); docs/plants.md 1.5.
 void ClosedLoop::charge(Rows<const double> action, std::span<double> reward) const noexcept {
   const PlantSpec& spec = plant_.spec();
   for_each_pack(lanes_, [&](std::size_t lane) {

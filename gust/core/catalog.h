@@ -26,7 +26,7 @@ template <class T>
 struct Entry {
   std::string name;
   std::string summary;
-  std::string source;  ///< where it is defined: paper, specification, own
+  std::string source;  ///< where it is defined: a paper, a section of docs/, or gust itself
   std::vector<FieldInfo> fields;
   std::function<Made<T>(const Table&)> make;  ///< the key "kind" is ignored; throws Error
 };

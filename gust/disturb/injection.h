@@ -54,9 +54,9 @@ struct WaveHistory {
 /// The values of some injections over one episode, to be multiplied by Injection::factor(level): channel c of injection
 /// i at index k. For actions and dynamics the index is the control step. For observations it is the number of the
 /// observation: 0 is reset's. Random waveforms are drawn by that number; deterministic ones follow the control step,
-/// and both the observation of reset and that of step 0 see step 0 (tasks 3.1). A shape that goes on from episode to
-/// episode has one value a control step, at the observation site one an observation, of every episode to its horizon:
-/// it goes on where that of the episode before ends.
+/// and both the observation of reset and that of step 0 see step 0 (docs/disturbances.md 1). A shape that goes on from
+/// episode to episode has one value a control step, at the observation site one an observation, of every episode to its
+/// horizon: it goes on where that of the episode before ends.
 class Signals {
  public:
   /// Streams are named by site, position among the injections of that site, and channel: nothing else moves them.

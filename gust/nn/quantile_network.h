@@ -23,8 +23,9 @@ struct QuantileShape {
   MlpShape top() const { return {{hidden, head, 1}, activation}; }
 };
 
-/// A law of returns by its quantiles (Dabney et al. 2018; algorithms 5.1): Z(x; tau) = top(e(x) * psi(tau)), element by
-/// element, with e = f(trunk(x)), psi = f(embedding(cos(pi i tau))), i = 0 … cosines - 1, and the activation f.
+/// A law of returns by its quantiles (Dabney et al. 2018; docs/algorithms.md 5.1): Z(x; tau) = top(e(x) * psi(tau)),
+/// element by element, with e = f(trunk(x)), psi = f(embedding(cos(pi i tau))), i = 0 … cosines - 1, and the activation
+/// f.
 template <class T>
 struct QuantileNetwork {
   QuantileNetwork() = default;

@@ -8,8 +8,8 @@ namespace gust {
 inline constexpr double kLogStdLow = -20.0;
 inline constexpr double kLogStdHigh = 2.0;
 
-/// A Gaussian pressed through tanh and stretched over a box (algorithms 2.2); its mean and its deviation depend on the
-/// state:
+/// A Gaussian pressed through tanh and stretched over a box (docs/algorithms.md 2.2); its mean and its deviation depend
+/// on the state:
 ///
 ///   u = mean + exp(log_std) noise        a = centre + half_width tanh u
 ///   log pi(a) = sum over d of -1/2 noise_d^2 - log_std_d - 1/2 ln 2 pi - 2 (ln 2 - u_d - softplus(-2 u_d))

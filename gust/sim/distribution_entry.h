@@ -22,7 +22,7 @@ class OptionsDistribution final : public Distribution {
 template <class Options>
 Entry<Distribution> distribution_entry(std::string name, std::string summary) {
   return make_entry<Distribution, Options>(
-      std::move(name), std::move(summary), "own (spec: algorithms 6)",
+      std::move(name), std::move(summary), "gust (docs/disturbances.md 5)",
       [](const Options& options) { return std::make_unique<OptionsDistribution<Options>>(options); });
 }
 

@@ -14,7 +14,8 @@ struct ParameterDraw {
   double offset = 0;  ///< added to what is drawn: the nominal value where ranges are additive, else 0
 };
 
-/// Domain randomisation (algorithms 6): parameters drawn at the start of an episode, independently, and held over it.
+/// Domain randomisation (docs/disturbances.md 5): parameters drawn at the start of an episode, independently, and held
+/// over it.
 struct Randomisation {
   std::string name;  ///< of a preset's range, for people; empty if the study spells it out
   std::vector<ParameterDraw> draws;

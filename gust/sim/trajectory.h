@@ -4,7 +4,7 @@
 
 namespace gust {
 
-/// A closed curve in a plane (a, b), run through once in a period of time (tasks 2.4).
+/// A closed curve in a plane (a, b), run through once in a period of time (docs/plants.md 2.4).
 ///
 ///   circle    a = s cos wt           b = s sin wt
 ///   figure8   a = s sin wt           b = s sin wt cos wt

@@ -53,7 +53,7 @@ void set_levels(Study& study, const FoundLevels& found);
 
 /// The common grid of an automatic sweep from the failure levels of all policies (infinite where nothing failed, 0 for
 /// one that falls undisturbed and says nothing): eleven levels from 0 to one and a half times the greatest, closer
-/// together around it (tasks A9).
+/// together around it (decision 6).
 std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit);
 
 /// Beyond this level the search for a failure ends.

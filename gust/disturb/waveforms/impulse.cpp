@@ -30,7 +30,7 @@ struct Impulse {
 
 Entry<Waveform> waveform_impulse() {
   return waveform_entry<Impulse>("impulse", "The level during `duration` control steps from `offset`, else zero.",
-                                 "Glossop et al. 2022, fig. 2c (width two, two steps in); spec: tasks 3.2");
+                                 "Glossop et al. 2022, fig. 2c (width two, two steps in); docs/disturbances.md 3.1");
 }
 
 }  // namespace gust

@@ -27,7 +27,7 @@ struct Sawtooth {
 
 Entry<Waveform> waveform_sawtooth() {
   return waveform_entry<Sawtooth>("sawtooth", "Rises linearly from the bottom to the level, then falls back at once.",
-                                  "Glossop et al. 2022, fig. 2d; spec: tasks 3.2");
+                                  "Glossop et al. 2022, fig. 2d; docs/disturbances.md 3.1");
 }
 
 }  // namespace gust

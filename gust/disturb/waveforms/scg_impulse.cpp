@@ -32,7 +32,7 @@ struct ScgImpulse {
 
 Entry<Waveform> waveform_scg_impulse() {
   return waveform_entry<ScgImpulse>("scg_impulse", "The impulse as safe-control-gym has it, for comparison.",
-                                    "safe-control-gym, disturbances.py; spec: tasks 3.2");
+                                    "safe-control-gym, disturbances.py; docs/disturbances.md 3.2");
 }
 
 }  // namespace gust

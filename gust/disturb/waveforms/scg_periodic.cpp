@@ -24,7 +24,7 @@ struct ScgPeriodic {
 
 Entry<Waveform> waveform_scg_periodic() {
   return waveform_entry<ScgPeriodic>("scg_periodic", "safe-control-gym's periodic disturbance, for comparison.",
-                                     "safe-control-gym, disturbances.py; spec: tasks 3.2");
+                                     "safe-control-gym, disturbances.py; docs/disturbances.md 3.2");
 }
 
 }  // namespace gust

@@ -18,7 +18,7 @@ struct Step {
 
 Entry<Waveform> waveform_step() {
   return waveform_entry<Step>("step", "Zero, then the level from control step `offset` to the end.",
-                              "Glossop et al. 2022, fig. 2b (two steps into the episode); spec: tasks 3.2");
+                              "Glossop et al. 2022, fig. 2b (two steps into the episode); docs/disturbances.md 3.1");
 }
 
 }  // namespace gust

@@ -29,7 +29,7 @@ struct Triangle {
 
 Entry<Waveform> waveform_triangle() {
   return waveform_entry<Triangle>("triangle", "Rises linearly from the bottom to the level and falls at the same rate.",
-                                  "Glossop et al. 2022, fig. 2e; spec: tasks 3.2");
+                                  "Glossop et al. 2022, fig. 2e; docs/disturbances.md 3.1");
 }
 
 }  // namespace gust

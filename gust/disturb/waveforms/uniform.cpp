@@ -26,7 +26,7 @@ struct Uniform {
 
 Entry<Waveform> waveform_uniform() {
   return waveform_entry<Uniform>("uniform", "Independent uniform noise between low and high, scaled by the level.",
-                                 "Glossop et al. 2022, supplement; spec: tasks 3.2");
+                                 "Glossop et al. 2022, supplement; docs/disturbances.md 3.1");
 }
 
 }  // namespace gust

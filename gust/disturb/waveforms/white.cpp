@@ -18,7 +18,7 @@ struct White {
 
 Entry<Waveform> waveform_white() {
   return waveform_entry<White>("white", "Independent normal noise N(0, std^2); the level is its standard deviation.",
-                               "Glossop et al. 2022, fig. 2a; spec: tasks 3.2");
+                               "Glossop et al. 2022, fig. 2a; docs/disturbances.md 3.1");
 }
 
 }  // namespace gust

@@ -16,7 +16,7 @@ struct Anr {
 Entry<Metric> metric_anr() {
   return metric_entry<Anr>(
       "anr", "Return divided by the length of the episode: the paper's metric, which forgives early failure.",
-      "Glossop et al. 2022, eq. 3; spec: tasks A2");
+      "Glossop et al. 2022, eq. 3; docs/metrics.md 1.1");
 }
 
 }  // namespace gust

@@ -15,7 +15,7 @@ struct AnrH {
 
 Entry<Metric> metric_anr_h() {
   return metric_entry<AnrH>("anr_h", "Return divided by the full horizon: failing early costs what it should.",
-                            "spec: tasks A2");
+                            "docs/metrics.md 1.1");
 }
 
 }  // namespace gust

@@ -15,7 +15,7 @@ struct AnrNt {
 
 Entry<Metric> metric_anr_nt() {
   return metric_entry<AnrNt>("anr_nt", "Return over the full horizon, divided by it, when failure ends nothing.",
-                             "spec: tasks A2");
+                             "docs/metrics.md 1.1");
 }
 
 }  // namespace gust

@@ -18,7 +18,7 @@ struct GroundContact {
 Entry<Metric> metric_ground_contact() {
   return metric_entry<GroundContact>(
       "ground_contact", "1 if the plant touched the ground, after which its motion is an approximation, else 0.",
-      "gust (spec: tasks 2.2)");
+      "gust (docs/plants.md 2.2)");
 }
 
 }  // namespace gust

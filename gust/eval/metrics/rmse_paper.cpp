@@ -16,7 +16,7 @@ struct RmsePaper {
 Entry<Metric> metric_rmse_paper() {
   return metric_entry<RmsePaper>(
       "rmse_paper", "Root mean squared state error, all components, over the whole horizon without termination.",
-      "spec: tasks A11");
+      "docs/metrics.md 1.2");
 }
 
 }  // namespace gust

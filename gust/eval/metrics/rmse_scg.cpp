@@ -15,7 +15,7 @@ struct RmseScg {
 
 Entry<Metric> metric_rmse_scg() {
   return metric_entry<RmseScg>("rmse_scg", "Root mean squared error of the weighted positions until the episode ends.",
-                               "safe-control-gym; spec: tasks A11");
+                               "safe-control-gym; docs/metrics.md 1.2");
 }
 
 }  // namespace gust

@@ -14,8 +14,9 @@ struct RmseSum {
 }  // namespace
 
 Entry<Metric> metric_rmse_sum() {
-  return metric_entry<RmseSum>(
-      "rmse_sum", "Root of the summed squared state error, all components, until the episode ends.", "spec: tasks A11");
+  return metric_entry<RmseSum>("rmse_sum",
+                               "Root of the summed squared state error, all components, until the episode ends.",
+                               "docs/metrics.md 1.2");
 }
 
 }  // namespace gust

@@ -7,14 +7,14 @@ namespace {
 
 /// Pole hinged on a cart. The action u [N] pushes the cart; the dynamics site (w_x, w_z) [N], world axes, pulls at the
 /// middle of the pole (tap_point = com) or at its tip. M cart mass, m pole mass, l half length, w thickness,
-/// J = I + m l^2 with I = m/12 (w^2 + 4 l^2), the box that the reference simulator takes for its inertia (tasks 1.1).
-/// The lever a of the tap is l at the centre of mass and 2 l at the tip.
+/// J = I + m l^2 with I = m/12 (w^2 + 4 l^2), the box that the reference simulator takes for its inertia
+/// (docs/plants.md 1.1). The lever a of the tap is l at the centre of mass and 2 l at the tip.
 ///
 ///   (M + m) x'' + m l (th'' cos th - th'^2 sin th) = u + w_x
 ///   J th'' + m l (x'' cos th - g sin th)           = a (w_x cos th - w_z sin th)
 ///
-/// State: x [m], x' [m/s], th [rad, 0 upright, positive towards +x], th' [rad/s]. Semi-implicit Euler (tasks 1.3).
-/// Checked against tests/reference/traj (PyBullet).
+/// State: x [m], x' [m/s], th [rad, 0 upright, positive towards +x], th' [rad/s]. Semi-implicit Euler
+/// (docs/plants.md 1.3). Checked against tests/reference/traj (PyBullet).
 struct CartPole {
   static constexpr int kStates = 4;
   static constexpr int kHidden = 0;
@@ -119,7 +119,8 @@ struct CartPole {
       state[2] = state[2] + dt * state[3];
     }
 
-    /// The joint limit of the reference simulator: outward speed is capped beyond the end of the rail (tasks 1.3).
+    /// The joint limit of the reference simulator: outward speed is capped beyond the end of the rail
+    /// (docs/plants.md 1.3).
     void hold_rail(T* state, const T& coupling, const T& x, double dt) const {
       const T beyond = absolute(x) - rail_end;
       if (!any(beyond > 0.0)) return;
@@ -169,7 +170,7 @@ PlantSpec CartPole::spec() const {
 
 Entry<Plant> plant_cartpole() {
   return plant_entry<CartPole>("cartpole", "Pole hinged on a cart that a force pushes along a rail; hold it upright.",
-                               "Glossop et al. 2022; safe-control-gym's cart-pole in PyBullet (spec: tasks 1)");
+                               "Glossop et al. 2022; safe-control-gym's cart-pole in PyBullet (docs/plants.md 1)");
 }
 
 }  // namespace gust

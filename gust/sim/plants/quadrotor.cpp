@@ -16,13 +16,13 @@ namespace {
 ///   I th'' = a (T2 - T1)
 ///
 /// State: x [m], x' [m/s], z [m], z' [m/s], th [rad, 0 level, positive tips the thrust to +x], th' [rad/s].
-/// Semi-implicit Euler; at the floor z is held and a fall ends (tasks 2.2, an approximation of the contact).
+/// Semi-implicit Euler; at the floor z is held and a fall ends (docs/plants.md 2.2, an approximation of the contact).
 ///
-/// Artefacts of the reference simulator, off unless asked for (tasks 2.2): with thrust_lag the thrust has the direction
-/// of one integration step ago, and its moment the factor cos(th - th_old); with wind_stale_point the wind pulls at
-/// where the body was when the control step began, and its moment is taken about where it was one integration step ago;
-/// damping c adds -v (c + c |v|) to the acceleration and the same to the turning. Checked against tests/reference/traj
-/// (PyBullet).
+/// Artefacts of the reference simulator, off unless asked for (docs/plants.md 2.2): with thrust_lag the thrust has the
+/// direction of one integration step ago, and its moment the factor cos(th - th_old); with wind_stale_point the wind
+/// pulls at where the body was when the control step began, and its moment is taken about where it was one integration
+/// step ago; damping c adds -v (c + c |v|) to the acceleration and the same to the turning. Checked against
+/// tests/reference/traj (PyBullet).
 struct Quadrotor {
   static constexpr int kStates = 6;
   static constexpr int kHidden = 6;  // th, x, z one substep ago; x, z when the control step began; contact
@@ -34,7 +34,7 @@ struct Quadrotor {
   double inertia = 1.4e-5;
   double arm = 0.028;
   double gravity = 9.8;
-  double thrust_low = 0.056323375552892685;  // 2 kf (0.2685 pwm + 4070.3)^2 at pwm 20000 and 65535 (tasks 2.1)
+  double thrust_low = 0.056323375552892685;  // 2 kf (0.2685 pwm + 4070.3)^2 at pwm 20000 and 65535 (docs/plants.md 2.1)
   double thrust_high = 0.2966828942298889;
   double hover_mass = 0.027;
   double floor = -0.0365;
@@ -304,7 +304,7 @@ Cascade Quadrotor::cascade() const {
 
 Entry<Plant> plant_quadrotor() {
   return plant_entry<Quadrotor>("quadrotor", "Quadrotor in a vertical plane that tracks a curve or holds a point.",
-                                "Glossop et al. 2022; safe-control-gym's quadrotor_2D in PyBullet (spec: tasks 2)");
+                                "Glossop et al. 2022; safe-control-gym's quadrotor_2D in PyBullet (docs/plants.md 2)");
 }
 
 }  // namespace gust
