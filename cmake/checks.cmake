@@ -14,6 +14,8 @@ endfunction()
 
 gust_check("every file is formatted" LABEL style SECONDS 60 COMMAND scripts/check-format)
 gust_check("every include follows the layers" LABEL style SECONDS 60 COMMAND scripts/check-layers)
+gust_check("every citation points to a section" LABEL style SECONDS 60 COMMAND scripts/check-citations)
+gust_check("documents are in plain words" LABEL style SECONDS 60 COMMAND scripts/check-words)
 list(TRANSFORM programs REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE program_files)
 gust_check("every oracle has a test" LABEL style SECONDS 60 COMMAND scripts/check-oracles ${program_files})
 if(TARGET gust)
