@@ -1,6 +1,6 @@
 """Trainings against twins in NumPy that are fed the same random numbers.
 
-The twins (twins/) are written from the description of the algorithms (docs/agents.md and its sources) and compute in
+The twins (twins/) are written from the description of the algorithms (docs/algorithms.md) and compute in
 double precision. gust's networks are of single precision, so the final weights differ by what rounding does to some
 hundred gradient steps: 5e-6 to 5e-5 of the distance that they have come (PPO, RARL, RAP), 2e-6 to 3e-5 (SAC). A mistake
 in the twin moves them apart by 0.02 to 3.
