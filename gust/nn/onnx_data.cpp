@@ -36,15 +36,15 @@ void add_file(const onnx::TensorProto& tensor, std::string_view file, std::set<s
 }  // namespace
 
 std::vector<std::string> onnx_data_files(std::string_view bytes, std::string_view name) {
-  onnx::ModelProto model;
+  OnnxMessage model;
   try {
     model = parse_onnx(bytes, name);
   } catch (const Error&) {
     return {};
   }
   std::set<std::string> names;
-  for (const auto& tensor : model.graph().initializer()) add_file(tensor, name, names);
-  for (const auto& node : model.graph().node()) {
+  for (const auto& tensor : model->graph().initializer()) add_file(tensor, name, names);
+  for (const auto& node : model->graph().node()) {
     for (const auto& attribute : node.attribute()) add_file(attribute.t(), name, names);
   }
   return {names.begin(), names.end()};

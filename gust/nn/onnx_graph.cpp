@@ -272,8 +272,8 @@ std::string onnx_quoted(std::string_view name) {
 
 OnnxGraph read_onnx_graph(std::string_view bytes, std::string_view name, std::string_view output,
                           const OnnxData& data) {
-  const onnx::ModelProto model = parse_onnx(bytes, name);
-  return GraphReader(model, name, data).read(output);
+  const OnnxMessage model = parse_onnx(bytes, name);
+  return GraphReader(*model, name, data).read(output);
 }
 
 }  // namespace gust

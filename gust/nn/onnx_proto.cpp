@@ -256,7 +256,7 @@ std::vector<To> numbers(const Tensor& proto, const Field& field, const Storage& 
 
 }  // namespace
 
-onnx::ModelProto parse_onnx(std::string_view bytes, std::string_view name) {
+OnnxMessage parse_onnx(std::string_view bytes, std::string_view name) {
   if (bytes.empty()) throw Error(cat(name, ": is empty; expected an ONNX file"));
   if (bytes.size() > kOnnxBytes) {
     throw Error(cat(name, ": has ", bytes.size(), " bytes; the limit for a policy is ", kOnnxBytes));
@@ -270,8 +270,8 @@ onnx::ModelProto parse_onnx(std::string_view bytes, std::string_view name) {
   if (count.too_many()) {
     throw Error(cat(name, ": is no policy network: it has more than ", kOnnxFields, " nodes, names and integers"));
   }
-  onnx::ModelProto model;
-  if (count.malformed() || !model.ParseFromArray(data, size)) {
+  OnnxMessage model;
+  if (count.malformed() || !model->ParseFromArray(data, size)) {
     throw Error(cat(name, ": is not an ONNX file, or it is damaged or cut short"));
   }
   return model;

@@ -125,15 +125,15 @@ void add_activation(onnx::GraphProto& graph, Activation activation, std::size_t 
 }  // namespace
 
 std::string write_onnx(const ActorNetwork& actor, const OnnxMetadata& metadata) {
-  onnx::ModelProto model;
-  model.set_ir_version(kIrVersion);
-  model.set_producer_name("gust");
+  const OnnxMessage model;
+  model->set_ir_version(kIrVersion);
+  model->set_producer_name("gust");
   for (const auto& [key, value] : metadata) {
-    onnx::StringStringEntryProto& entry = *model.add_metadata_props();
+    onnx::StringStringEntryProto& entry = *model->add_metadata_props();
     entry.set_key(key);
     entry.set_value(value);
   }
-  onnx::GraphProto& graph = *model.mutable_graph();
+  onnx::GraphProto& graph = *model->mutable_graph();
   graph.set_name("policy");
   const MlpShape& shape = actor.mlp.shape();
   describe_value(*graph.add_input(), "obs", actor.observations(), Batched::kYes);
@@ -145,11 +145,11 @@ std::string write_onnx(const ActorNetwork& actor, const OnnxMetadata& metadata) 
   }
   if (actor.box) add_box(graph, *actor.box);
   // The opset, which no reader does without, comes last: a file that lost its end is refused.
-  onnx::ModelProto end;
-  onnx::OperatorSetIdProto& opset = *end.add_opset_import();
+  const OnnxMessage end;
+  onnx::OperatorSetIdProto& opset = *end->add_opset_import();
   opset.set_domain("");
   opset.set_version(kOpset);
-  return model.SerializeAsString() + end.SerializeAsString();
+  return model->SerializeAsString() + end->SerializeAsString();
 }
 
 }  // namespace gust

@@ -328,9 +328,32 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   return REAL(pthread_create)(thread, attributes, work, argument);
 }
 
-/* operator new(std::size_t): std::bad_alloc is thrown by the real one, of a size that nobody has. */
-void* _Znwm(size_t size) {
+/* Allocations count from main on: those before it are of the libraries, which know no sentence. */
+static int in_main;
+static int (*real_main)(int, char**, char**);
+
+static int counted_main(int argc, char** argv, char** environment) {
+  in_main = 1;
+  return real_main(argc, argv, environment);
+}
+
+int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, void (*init)(void), void (*fini)(void),
+                      void (*rtld_fini)(void), void* stack_end) {
+  real_main = main;
+  return REAL(__libc_start_main)(counted_main, argc, argv, init, fini, rtld_fini, stack_end);
+}
+
+/* A size that nobody has: the real operator new throws std::bad_alloc of it. */
+static size_t size_or_fault(size_t size) { return in_main && fault(NEW) > 0 ? ~(size_t)0 >> 1 : size; }
+
+void* _Znwm(size_t size) { /* operator new(std::size_t) */
   static void* (*real)(size_t);
   if (real == NULL) real = (void* (*)(size_t))dlsym(RTLD_NEXT, "_Znwm");
-  return real(fault(NEW) > 0 ? ~(size_t)0 >> 1 : size);
+  return real(size_or_fault(size));
+}
+
+void* _ZnwmSt11align_val_t(size_t size, size_t alignment) { /* operator new(std::size_t, std::align_val_t) */
+  static void* (*real)(size_t, size_t);
+  if (real == NULL) real = (void* (*)(size_t, size_t))dlsym(RTLD_NEXT, "_ZnwmSt11align_val_t");
+  return real(size_or_fault(size), alignment);
 }
