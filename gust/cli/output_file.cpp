@@ -9,6 +9,7 @@
 #include "gust/nn/onnx_data.h"
 #include "gust/study/export.h"
 #include "gust/study/files.h"
+#include "gust/study/files_posix.h"
 #include "gust/study/store_check.h"
 
 namespace gust {
@@ -55,6 +56,14 @@ std::string_view name_of(OutputKind kind) {
   return kNames[static_cast<int>(kind)];
 }
 
+/// Where a path leads, which is in no store.
+fs::path check_outside_store(const fs::path& path, std::string_view named) {
+  const fs::path place = real_path(path);
+  if (const auto store = store_around(place))
+    throw Error(cat(named, ": '", path.string(), "' lies in the store ", store->string(), "; choose another folder"));
+  return place;
+}
+
 /// What makes a result folder, and is written by `gust run` alone.
 bool is_part_of_results(const fs::path& file) {
   const fs::path folder = file.parent_path();
@@ -74,9 +83,7 @@ bool is_part_of_results(const fs::path& file) {
 void check_output(const fs::path& file, OutputKind kind, std::string_view named, bool force) {
   check_folder_of(file, named);
   if (is_stream(file)) return;
-  const fs::path place = real_path(file);
-  if (const auto store = store_around(place))
-    throw Error(cat(named, ": '", file.string(), "' lies in the store ", store->string(), "; choose another folder"));
+  const fs::path place = check_outside_store(file, named);
   if (is_part_of_results(place))
     throw Error(cat(named, ": '", file.string(), "' is a part of the results there; choose another name"));
   std::error_code unknown;
@@ -85,6 +92,10 @@ void check_output(const fs::path& file, OutputKind kind, std::string_view named,
   if (!is_of_kind(place, kind))
     throw Error(cat(named, ": '", file.string(), "' exists and is no ", name_of(kind), " of gust; choose another name",
                     has_force ? ", or --force to replace it" : ""));
+}
+
+void make_output_folder(const fs::path& folder, std::string_view named) {
+  make_folders(check_outside_store(folder, named));
 }
 
 bool is_same_output(const fs::path& a, const fs::path& b) { return real_path(a) == real_path(b); }

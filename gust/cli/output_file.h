@@ -13,6 +13,9 @@ enum class OutputKind { csv, sqlite, onnx, pack, page };
 /// over the parts of a result folder. Devices and pipes are written through.
 void check_output(const std::filesystem::path& file, OutputKind kind, std::string_view named, bool force = false);
 
+/// Makes a folder for output, and those above it. Throws Error, which begins with `named`, if it lies in a store.
+void make_output_folder(const std::filesystem::path& folder, std::string_view named);
+
 /// Whether two paths lead to one file, which need not be there.
 bool is_same_output(const std::filesystem::path& a, const std::filesystem::path& b);
 

@@ -152,7 +152,8 @@ std::vector<std::pair<std::string, std::string>> provenance() {
 }
 
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
-                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons) {
+                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons,
+                         const std::filesystem::path& into) {
   PageContext context;
   context.comparisons = std::move(comparisons);
   context.run_command = run_command(folder, study);
@@ -166,9 +167,10 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
                         {"root seed", cat(study.seed)},
                         {"machine", machine()},
                         {"made", now_text()}};
-  check_output(folder.report(), OutputKind::page, "page");
-  write_file_atomically(folder.report(), render_page(study_page(study, summary, context)));
-  return folder.report().string();
+  const std::filesystem::path page = into.empty() ? folder.report() : into / folder.report().filename();
+  check_output(page, OutputKind::page, "page");
+  write_file_atomically(page, render_page(study_page(study, summary, context)));
+  return page.string();
 }
 
 std::string summary_text(const Study& study, const Summary& summary) {

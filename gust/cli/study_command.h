@@ -26,9 +26,10 @@ std::vector<std::string> complaints(std::span<const RunOutcome> outcomes);
 /// Versions, machine and time, as pages tell them.
 std::vector<std::pair<std::string, std::string>> provenance();
 
-/// Writes DIR/report.html and returns its path.
+/// Writes report.html into the result folder, or into another one, and returns its path.
 std::string write_report(const StudyFolder& folder, const Study& study, const Summary& summary,
-                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons);
+                         const std::vector<std::string>& warnings, std::vector<SweepComparison> comparisons,
+                         const std::filesystem::path& into = {});
 
 /// Tells what is wrong with policies and what the store lacks; the exit code is of what it lacks.
 int tell_missing(const Summary& summary);

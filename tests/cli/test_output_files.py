@@ -125,3 +125,15 @@ def test_no_run_goes_into_a_store_or_over_a_page_of_somebody_else(folder):
     (folder / "out/report.html").write_text("my own page")
     assert "no page of gust" in gust(folder, "run", "study.toml", "--out", "out", code=2)
     assert (folder / "out/report.html").read_text() == "my own page"
+
+
+def test_a_page_goes_where_it_is_asked_and_leaves_the_results_alone(folder):
+    before = contents(folder / "out")
+    gust(folder, "report", "out", "--out", "page/there")
+
+    assert contents(folder / "out") == before
+    assert (folder / "page/there/report.html").exists()
+    (folder / "page/report.html").write_text("my own page")
+    assert "is no page of gust" in gust(folder, "report", "out", "--out", "page", code=2)
+    assert "lies in the store" in gust(folder, "report", "out", "--out", "out/store/new", code=2)
+    assert not (folder / "out/store/new").exists()
