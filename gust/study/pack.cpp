@@ -210,13 +210,16 @@ bool may_replace(const fs::path& file) {
   return magic == kMagic;
 }
 
-PackCount pack_store(const Store& store, const fs::path& file, std::string_view only_kind) {
+PackCount pack_store(const Store& store, const fs::path& file, std::string_view only_kind, const DamageOf& damage_of) {
   if (!may_replace(file)) throw Error(cat(file.string(), ": exists and is no pack; choose another name"));
   PackCount count;
   PackOutput output(file);
   for (const auto& [kind, id] : store.trials()) {
     if (!only_kind.empty() && kind != only_kind) continue;
-    const std::optional<StoredTrial> trial = store.load(kind, id);
+    std::optional<StoredTrial> trial = store.load(kind, id);
+    const std::string damage = trial && damage_of ? damage_of(*trial) : "";
+    if (!damage.empty()) store.condemn(*trial, damage);
+    if (!damage.empty()) trial.reset();
     if (trial) add_trial(output, *trial);
     ++(trial ? count.trials : count.damaged);
   }

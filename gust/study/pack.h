@@ -19,16 +19,20 @@ struct PackCount {
   std::uint64_t bytes = 0;      ///< size of the pack
 };
 
+/// What is wrong with the content of a trial whose hashes are right; empty if nothing is.
+using DamageOf = std::function<std::string(const StoredTrial&)>;
+
 /// Writes every finished trial of a store, or those of one kind, into one compressed file. Equal trials give equal
 /// bytes, whatever the order in which they were made. A damaged trial is left out, counted and reported.
-PackCount pack_store(const Store& store, const std::filesystem::path& file, std::string_view only_kind = {});
+PackCount pack_store(const Store& store, const std::filesystem::path& file, std::string_view only_kind = {},
+                     const DamageOf& damage_of = {});
 
 /// Reads a pack to its end. One that is damaged, or made to do harm, is an Error.
 void check_pack(const std::filesystem::path& file);
 
 /// Adds the trials of a pack to a store. Trials that the store has whole are never touched; where the pack has another
-/// result for one, the store's notice names both. The Errors of check_pack
-/// are this one's too; the whole trials before the damage stay.
+/// result for one, the store's notice names both. The Errors of check_pack are this one's too; the whole trials before
+/// the damage stay.
 PackCount unpack_store(const std::filesystem::path& file, const Store& store);
 
 /// What read_pack meets, in the order of the file; this one pays no heed.

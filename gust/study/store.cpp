@@ -41,6 +41,12 @@ std::vector<std::string> entries(const fs::path& folder) {
   return names;
 }
 
+Error no_store_at(const fs::path& folder) {
+  return Error(entries(folder).empty() ? cat(folder.string(), ": no store lies here; gust run makes one")
+                                       : cat(folder.string(), ": has no ", kFormatName, "; 'gust store repair ",
+                                             shell_word(folder.string()), "' writes one if this is a store"));
+}
+
 /// A trial as it lies on the disk, and what is wrong with it, if anything is.
 struct CheckedTrial {
   StoredTrial trial;
@@ -95,7 +101,7 @@ std::ifstream StoredTrial::open(std::string_view file) const {
 
 Store::Store(fs::path folder, Access access, Notice notice) : folder_(std::move(folder)), notice_(std::move(notice)) {
   if (access == Access::write) initialise();
-  if (!is_at(folder_)) throw Error(cat(folder_.string(), ": no store lies here; gust run makes one"));
+  if (!is_at(folder_)) throw no_store_at(folder_);
   check_format();
   if (access == Access::read) return;
   session_ = std::make_unique<StoreSession>(folder_ / kAsideName);

@@ -227,6 +227,8 @@ TEST_CASE("what is no store of this format is one clear error") {
   put_file(folder / "broken/store.json", R"({"format")");
 
   CHECK(opening(folder / "none", read) == base + "/none: no store lies here; gust run makes one");
+  CHECK(opening(folder / "other", read) ==
+        cat(base, "/other: has no store.json; 'gust store repair ", base, "/other' writes one if this is a store"));
   CHECK(opening(folder / "file", write) == base + "/file: cannot make the folder: Not a directory");
   CHECK(opening(folder / "other", write) == base + "/other: holds other things than a store; choose another folder");
   CHECK(opening(folder / "broken", write) ==

@@ -18,6 +18,11 @@ def tables(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
+def without_hash(description):
+    """As earlier versions wrote it, which have no hash of it."""
+    return json.dumps({key: value for key, value in json.loads(description).items() if key != "hash"})
+
+
 @pytest.fixture(scope="module")
 def small(tmp_path_factory, program):
     """One table under all readings, one seed of each training."""
@@ -220,6 +225,8 @@ def test_kept_episodes_that_changed_are_errors(gust, tmp_path):
     path.write_text(good)
     description = tmp_path / "paper-quick.gust/reproduction.json"
     description.write_text(description.read_text().replace('"seeds": null', '"seeds": 2000000000'))
+    assert "reproduction.json: has changed since it was written" in gust("report", "paper-quick.gust", code=2).stderr
+    description.write_text(without_hash(description.read_text()))
     assert "1 to 10000 seeds" in gust("report", "paper-quick.gust", code=2).stderr
 
 
@@ -264,7 +271,7 @@ def test_a_report_of_trials_that_failed_names_them(gust, tmp_path, small):
     description = tmp_path / "copy/reproduction.json"
     text = description.read_text()
     assert '"failures": []' in text
-    description.write_text(text.replace('"failures": []', '"failures": ["failed: train sac seed 1"]'))
+    description.write_text(without_hash(text.replace('"failures": []', '"failures": ["failed: train sac seed 1"]')))
 
     done = gust("report", "copy", code=1)
 

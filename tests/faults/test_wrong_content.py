@@ -143,6 +143,7 @@ WRONG = {
     "traces that are none": lambda folder: (folder / "traces.json").write_text("[1]"),
     "no rows": None,
 }
+WRONG_FOR_THE_STUDY = ("rows from other starts", "rows from fewer starts", "rows of other episodes")  # a pack has no study
 
 
 @pytest.mark.parametrize("wrong", WRONG)
@@ -160,6 +161,8 @@ def test_right_hashes_and_wrong_content_are_found_named_and_healed(runs, finishe
         assert str(folder.relative_to(runs.folder)) in said and "gust store repair" in said, said
         assert "internal error" not in said
     runs.gust("store", "check", "out", code=1)
+    if wrong not in WRONG_FOR_THE_STUDY:
+        assert str(folder.relative_to(runs.folder)) in runs.gust("store", "pack", "out", "a.pack", code=1)
     before.pop(runs.folder / "out/report.html")
     assert {path: path.read_bytes() for path in before} == before
 
@@ -180,6 +183,7 @@ def test_repair_writes_the_description_of_a_store_again(runs, finished, text):
     whole = path.read_bytes()
     path.unlink() if text is None else path.write_text(text)
     assert runs.gust("store", "check", "out", code=1) == ""
+    assert "'gust store repair out/store'" in runs.gust("show", "out", code=2)
 
     runs.gust("store", "repair", "out")
 

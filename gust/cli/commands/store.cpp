@@ -8,6 +8,7 @@
 #include "gust/cli/study_command.h"
 #include "gust/study/pack.h"
 #include "gust/study/store_check.h"
+#include "gust/study/trial_check.h"
 
 namespace gust {
 namespace {
@@ -30,7 +31,8 @@ std::string size_text(std::uint64_t bytes) {
 int pack(const Options& options) {
   check_output(options.file, OutputKind::pack, "FILE");
   const Store store(StudyFolder(options.folder).store(), Store::Access::read, tell);
-  const PackCount count = pack_store(store, options.file, options.trainings ? kind_name(Trial::Kind::kTrain) : "");
+  const PackCount count = pack_store(store, options.file, options.trainings ? kind_name(Trial::Kind::kTrain) : "",
+                                     [](const StoredTrial& trial) { return content_damage(trial, CheckDepth::whole); });
   print_lines(cat(options.file, ": ", count.trials, " trials, ", size_text(count.bytes), "\n"));
   if (count.damaged == 0) return kDone;
   tell(cat(options.file, ": lacks ", count.damaged, count.damaged == 1 ? " damaged trial" : " damaged trials",
