@@ -39,7 +39,7 @@ void command_report(CLI::App& app, int& exit_code) {
   command->add_option("DIR", options->folder, "the folder that gust run or gust reproduce left")->required();
   command->add_option("--out", options->out, "where to write the page (default: DIR, which is else left as it is)")
       ->type_name("FOLDER");
-  command->footer("Examples:\n  gust report demo.gust\n  gust report results/paper --out page");
+  command->footer("Examples:\n  gust report demo.gust\n  gust report demo.gust --out page");
   command->callback([options, &exit_code] {
     if (holds_results(options->folder)) {
       exit_code = report_reproduction(*options);
