@@ -1,10 +1,10 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/peak.h"
-#include "gust/control/network_policy.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
 #include "gust/nn/initialise.h"
+#include "gust/study/trials/network_policy.h"
 
 // One cell of a study: 25 episodes of 250 steps of a 64x64 tanh policy under white noise on the dynamics, with every
 // metric; one core. `ms` is the shortest of many runs.

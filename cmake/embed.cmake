@@ -80,7 +80,7 @@ function(gust_embed_presets target)
   set(folder ${PROJECT_SOURCE_DIR}/studies/presets)
   file(GLOB names CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*.toml)
   list(TRANSFORM names REPLACE "(.+)\\.toml" "\\1=${folder}/\\1.toml" OUTPUT_VARIABLE files)
-  gust_embed(${target} HEADER gust/study/preset_files.h FUNCTION preset_file FILES ${files})
+  gust_embed(${target} HEADER gust/setup/preset_files.h FUNCTION preset_file FILES ${files})
 endfunction()
 
 # gust_embed_paper(TARGET): what studies/paper holds, as gust::paper_file("paper.toml").
@@ -88,7 +88,7 @@ function(gust_embed_paper target)
   set(folder ${PROJECT_SOURCE_DIR}/studies/paper)
   file(GLOB names CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*.toml ${folder}/*.csv ${folder}/*.md)
   list(TRANSFORM names REPLACE "(.+)" "\\1=${folder}/\\1" OUTPUT_VARIABLE files)
-  gust_embed(${target} HEADER gust/study/paper_files.h FUNCTION paper_file FILES ${files})
+  gust_embed(${target} HEADER gust/paper/paper_files.h FUNCTION paper_file FILES ${files})
 endfunction()
 
 # Runs npm when the lock file is newer than what is installed.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gust/core/error.h"
-#include "gust/nn/onnx.h"
+#include "gust/onnx/onnx.h"
 
 namespace {
 

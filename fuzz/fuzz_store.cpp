@@ -10,8 +10,8 @@
 
 #include "gust/core/error.h"
 #include "gust/core/hash.h"
-#include "gust/study/pack.h"
-#include "gust/study/rows.h"
+#include "gust/store/pack.h"
+#include "gust/store/rows.h"
 
 namespace {
 

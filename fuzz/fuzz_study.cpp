@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "gust/core/text.h"
-#include "gust/nn/onnx.h"
-#include "gust/study/plan.h"
-#include "gust/study/store_manifest.h"
+#include "gust/onnx/onnx.h"
+#include "gust/store/store_manifest.h"
+#include "gust/study/plan/plan.h"
 
 namespace {
 

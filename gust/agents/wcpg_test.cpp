@@ -5,7 +5,6 @@
 
 #include "gust/agents/agent_fixture_test.h"
 #include "gust/agents/off_policy_training.h"
-#include "gust/nn/onnx.h"
 
 using namespace gust;
 
@@ -74,27 +73,6 @@ TEST_CASE("WCPG learns to hold the pole up at every risk level") {
   ActorNetwork actor = training->actor();
   CHECK(actor.alpha == 0.3f);
   CHECK(actor.observations() == 4);
-}
-
-TEST_CASE("a policy of WCPG acts at its level unless it is told another, in its file too") {
-  const auto plant = cartpole();
-  const auto training =
-      wcpg({{"steps", integer(1'200)}, {"alpha", number(0.25)}})->start({plant.object.get(), {}, {}, 1});
-  while (!training->done()) training->advance();
-  const ActorNetwork actor = training->actor();
-  const std::string bytes = write_onnx(actor, {});
-  const std::vector<float> seen = {0.1f, -0.2f, 0.05f, 0.3f};
-  const auto act = [&](const OnnxModel& model) {
-    std::vector<float> action(1);
-    OnnxRunner(model).run(seen, 1, action);
-    return action[0];
-  };
-
-  const float own = act(read_onnx(bytes, "p.onnx"));
-
-  CHECK(own == act(read_onnx(bytes, "p.onnx", {.alpha = 0.25f})));
-  CHECK(own != act(read_onnx(bytes, "p.onnx", {.alpha = 0.75f})));
-  CHECK(own == ActorRunner(actor, 1).act(seen)[0]);
 }
 
 TEST_CASE("WCPG that is saved and loaded goes on to the same bits, relabelled or not") {

@@ -5,10 +5,10 @@
 #include "gust/core/text.h"
 #include "gust/disturb/injection.h"
 #include "gust/eval/metric.h"
+#include "gust/setup/preset_files.h"
+#include "gust/setup/presets.h"
+#include "gust/setup/setup.h"
 #include "gust/sim/distribution.h"
-#include "gust/study/preset_files.h"
-#include "gust/study/presets.h"
-#include "gust/study/setup.h"
 
 namespace gust {
 namespace {

@@ -4,10 +4,10 @@
 
 #include "gust/cli/settings.h"
 #include "gust/cli/text_output.h"
-#include "gust/study/parse.h"
-#include "gust/study/policies.h"
-#include "gust/study/policy_notes.h"
-#include "gust/study/warnings.h"
+#include "gust/study/text/parse.h"
+#include "gust/study/text/warnings.h"
+#include "gust/study/trials/policies.h"
+#include "gust/study/trials/policy_notes.h"
 
 namespace gust {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
-#include "gust/nn/onnx_data.h"
-#include "gust/study/setup.h"
+#include "gust/onnx/data.h"
+#include "gust/setup/setup.h"
 
 namespace gust {
 

@@ -1,7 +1,7 @@
 #include "gust/cli/eval.h"
 #include "gust/cli/study_command.h"
-#include "gust/study/parse.h"
-#include "gust/study/trials.h"
+#include "gust/study/text/parse.h"
+#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {

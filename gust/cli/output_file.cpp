@@ -6,11 +6,11 @@
 #include <string>
 
 #include "gust/core/error.h"
-#include "gust/nn/onnx_data.h"
-#include "gust/study/export.h"
-#include "gust/study/files.h"
-#include "gust/study/files_posix.h"
-#include "gust/study/store_check.h"
+#include "gust/onnx/data.h"
+#include "gust/store/files.h"
+#include "gust/store/files_posix.h"
+#include "gust/study/summary/export.h"
+#include "gust/study/trials/store_check.h"
 
 namespace gust {
 namespace {

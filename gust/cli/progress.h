@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "gust/study/executor.h"
+#include "gust/study/trials/executor.h"
 
 namespace gust {
 

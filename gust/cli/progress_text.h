@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "gust/study/executor.h"
+#include "gust/study/trials/executor.h"
 
 namespace gust {
 

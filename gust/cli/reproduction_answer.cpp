@@ -10,8 +10,8 @@
 #include "gust/cli/command.h"
 #include "gust/cli/progress_text.h"
 #include "gust/core/text.h"
+#include "gust/paper/reproduction_results.h"
 #include "gust/report/html.h"
-#include "gust/report/reproduction_results.h"
 
 namespace gust {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "gust/study/paper_results.h"
+#include "gust/paper/paper_results.h"
 
 namespace gust {
 

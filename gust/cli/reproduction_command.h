@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "gust/study/paper_results.h"
+#include "gust/paper/paper_results.h"
 
 namespace gust {
 

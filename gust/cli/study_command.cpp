@@ -17,7 +17,7 @@
 #include "gust/cli/progress_text.h"
 #include "gust/core/text.h"
 #include "gust/core/version.h"
-#include "gust/study/files.h"
+#include "gust/store/files.h"
 
 namespace gust {
 namespace {

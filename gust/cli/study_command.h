@@ -3,8 +3,8 @@
 #include <span>
 
 #include "gust/report/study_page.h"
-#include "gust/study/folder.h"
-#include "gust/study/summary.h"
+#include "gust/study/summary/summary.h"
+#include "gust/study/trials/folder.h"
 
 namespace gust {
 

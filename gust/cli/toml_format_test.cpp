@@ -6,9 +6,9 @@
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
-#include "gust/study/preset_files.h"
-#include "gust/study/presets.h"
-#include "gust/study/toml.h"
+#include "gust/setup/preset_files.h"
+#include "gust/setup/presets.h"
+#include "gust/setup/toml.h"
 
 namespace gust {
 namespace {

@@ -9,12 +9,12 @@
 #include "gust/cli/text_output.h"
 #include "gust/core/hash.h"
 #include "gust/core/version.h"
-#include "gust/nn/onnx.h"
-#include "gust/study/agent_options.h"
-#include "gust/study/checkpoint.h"
-#include "gust/study/files.h"
-#include "gust/study/training_time.h"
-#include "gust/study/warnings.h"
+#include "gust/onnx/onnx.h"
+#include "gust/store/checkpoint.h"
+#include "gust/store/files.h"
+#include "gust/study/plan/training_time.h"
+#include "gust/study/text/agent_options.h"
+#include "gust/study/text/warnings.h"
 
 namespace gust {
 namespace {

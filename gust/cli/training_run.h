@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gust/agents/agent.h"
-#include "gust/study/setup.h"
+#include "gust/setup/setup.h"
 
 namespace gust {
 

@@ -6,8 +6,8 @@
 
 #include "gust/core/error.h"
 #include "gust/core/text.h"
-#include "gust/eval/margin.h"
 #include "gust/report/html.h"
+#include "gust/stats/margin.h"
 
 namespace gust {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "gust/eval/margin.h"
+#include "gust/stats/margin.h"
 
 namespace gust {
 namespace {

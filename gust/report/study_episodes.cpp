@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gust/study/trials.h"
+#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gust/report/page.h"
-#include "gust/study/summary.h"
+#include "gust/study/summary/summary.h"
 
 namespace gust {
 

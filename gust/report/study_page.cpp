@@ -5,7 +5,7 @@
 
 #include "gust/core/text.h"
 #include "gust/report/study_episodes.h"
-#include "gust/study/warnings.h"
+#include "gust/study/text/warnings.h"
 
 namespace gust {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gust/report/page.h"
-#include "gust/study/comparison.h"
+#include "gust/study/summary/comparison.h"
 
 namespace gust {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "gust/report/study_episodes.h"
-#include "gust/study/study_fixture.h"
+#include "gust/study/text/study_fixture.h"
 
 namespace gust {
 namespace {

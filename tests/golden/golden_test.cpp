@@ -4,10 +4,10 @@
 
 #include "gust/core/csv.h"
 #include "gust/core/hash.h"
-#include "gust/study/export.h"
-#include "gust/study/run.h"
-#include "gust/study/study_fixture.h"
-#include "gust/study/trials.h"
+#include "gust/study/summary/export.h"
+#include "gust/study/text/study_fixture.h"
+#include "gust/study/trials/run.h"
+#include "gust/study/trials/trials.h"
 
 // Bits that must not change unless somebody means them to: then the signature here changes in the same commit, and the
 // commit says so. They are the same on every x86-64-v3 machine.

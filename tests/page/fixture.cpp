@@ -7,7 +7,7 @@
 
 #include "gust/core/error.h"
 #include "gust/core/rng.h"
-#include "gust/eval/margin.h"
+#include "gust/stats/margin.h"
 
 namespace gust {
 namespace {

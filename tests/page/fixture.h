@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "gust/paper/reproduction_page.h"
 #include "gust/report/page.h"
-#include "gust/report/reproduction_page.h"
 
 namespace gust {
 

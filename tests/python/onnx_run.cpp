@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "gust/core/error.h"
-#include "gust/nn/onnx.h"
-#include "gust/nn/onnx_operators.h"
-#include "gust/study/policy_files.h"
+#include "gust/onnx/onnx.h"
+#include "gust/onnx/operators.h"
+#include "gust/study/text/policy_files.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "gust/core/text.h"
-#include "gust/study/files.h"
+#include "gust/store/files.h"
 
 namespace gust {
 namespace {

@@ -4,8 +4,8 @@
 #include "gust/cli/command.h"
 #include "gust/cli/study_command.h"
 #include "gust/core/text.h"
-#include "gust/study/comparison.h"
-#include "gust/study/trial_check.h"
+#include "gust/study/summary/comparison.h"
+#include "gust/study/trials/trial_check.h"
 
 namespace gust {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "gust/cli/command.h"
-#include "gust/study/policy_files.h"
+#include "gust/study/text/policy_files.h"
 
 namespace gust {
 namespace {

@@ -1,4 +1,4 @@
-#include "gust/study/export.h"
+#include "gust/study/summary/export.h"
 
 #include <map>
 #include <set>
@@ -6,7 +6,7 @@
 #include "gust/cli/command.h"
 #include "gust/cli/output_file.h"
 #include "gust/cli/study_command.h"
-#include "gust/study/trials.h"
+#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {

@@ -11,7 +11,7 @@
 #include "gust/cli/reproduction_command.h"
 #include "gust/cli/study_command.h"
 #include "gust/core/text.h"
-#include "gust/study/warnings.h"
+#include "gust/study/text/warnings.h"
 
 namespace gust {
 namespace {

@@ -7,9 +7,9 @@
 #include "gust/cli/command.h"
 #include "gust/cli/terminal_chart.h"
 #include "gust/core/text.h"
-#include "gust/study/folder.h"
-#include "gust/study/trials.h"
-#include "gust/study/warnings.h"
+#include "gust/study/text/warnings.h"
+#include "gust/study/trials/folder.h"
+#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {

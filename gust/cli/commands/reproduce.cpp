@@ -11,9 +11,9 @@
 #include "gust/cli/signals.h"
 #include "gust/cli/study_command.h"
 #include "gust/core/text.h"
+#include "gust/paper/reproduction_results.h"
 #include "gust/report/html.h"
-#include "gust/report/reproduction_results.h"
-#include "gust/study/files.h"
+#include "gust/store/files.h"
 
 namespace gust {
 namespace {

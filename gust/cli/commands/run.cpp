@@ -4,7 +4,7 @@
 #include "gust/cli/progress.h"
 #include "gust/cli/signals.h"
 #include "gust/cli/study_command.h"
-#include "gust/study/warnings.h"
+#include "gust/study/text/warnings.h"
 
 namespace gust {
 namespace {

@@ -6,9 +6,9 @@
 #include "gust/cli/command.h"
 #include "gust/cli/output_file.h"
 #include "gust/cli/study_command.h"
-#include "gust/study/pack.h"
-#include "gust/study/store_check.h"
-#include "gust/study/trial_check.h"
+#include "gust/store/pack.h"
+#include "gust/study/trials/store_check.h"
+#include "gust/study/trials/trial_check.h"
 
 namespace gust {
 namespace {

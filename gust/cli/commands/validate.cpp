@@ -10,7 +10,7 @@
 #include "gust/cli/command.h"
 #include "gust/cli/help_format.h"
 #include "gust/core/text.h"
-#include "gust/study/files.h"
+#include "gust/store/files.h"
 
 namespace gust {
 namespace {

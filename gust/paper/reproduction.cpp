@@ -1,0 +1,124 @@
+#include "gust/paper/reproduction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/text.h"
+#include "gust/study/text/parse.h"
+
+namespace gust {
+namespace {
+
+std::vector<StudyPolicy::File> no_files(const std::string&, const Place&) { return {}; }
+
+template <class Items>
+const typename Items::value_type& item_at(const Items& items, const std::string& name, const char* what) {
+  std::vector<std::string> names;
+  for (const auto& item : items) {
+    if (item.name == name) return item;
+    names.push_back(item.name);
+  }
+  throw Error(cat("unknown ", what, " '", name, "'", did_you_mean(name, names), "; there are ", join(names, ", ")));
+}
+
+/// Whole thousands, as a person would write them.
+std::int64_t share_of(std::int64_t steps, double share) {
+  const double thousands = std::round(static_cast<double>(steps) * share / 1000.0);
+  return 1000 * std::max<std::int64_t>(1, static_cast<std::int64_t>(thousands));
+}
+
+/// What a profile changes in a study: policies are named by their places.
+std::vector<std::string> profile_settings(const Study& study, const PaperProfile& profile,
+                                          std::optional<std::int64_t> seeds) {
+  std::vector<std::string> settings;
+  for (std::size_t i = 0; i < study.policies.size(); ++i) {
+    const StudyPolicy& policy = study.policies[i];
+    if (policy.kind != StudyPolicy::Kind::kTrain) continue;
+    if (profile.steps < 1.0)
+      settings.push_back(cat("policy.", i, ".agent.steps=", share_of(policy.agent->steps(), profile.steps)));
+    if (!seeds) continue;
+    std::vector<std::string> numbers;
+    for (std::int64_t seed = 1; seed <= *seeds; ++seed) numbers.push_back(cat(seed));
+    settings.push_back(cat("policy.", i, ".seeds=[", join(numbers, ", "), "]"));
+  }
+  return settings;
+}
+
+/// Of its trainings.
+std::int64_t most_seeds(const Study& study) {
+  std::size_t most = 0;
+  for (const StudyPolicy& policy : study.policies) most = std::max(most, policy.seeds.size());
+  return static_cast<std::int64_t>(most);
+}
+
+/// The settings of a reading for one of its studies.
+std::vector<std::string> reading_settings(const PaperReading& reading, const std::string& study) {
+  constexpr std::string_view kStudy = "{study}";
+  const auto own = reading.own.find(study);
+  std::vector<std::string> settings = reading.common;
+  for (std::string setting : own != reading.own.end() ? own->second : reading.settings) {
+    const std::size_t at = setting.find(kStudy);
+    if (at != std::string::npos) setting.replace(at, kStudy.size(), study);
+    settings.push_back(std::move(setting));
+  }
+  return settings;
+}
+
+/// Whether a figure that is drawn under a reading tells margins: claims ask for the paper's grid alone.
+bool shows_margins(const Paper& paper, std::size_t figure, std::size_t reading) {
+  const PaperFigure& drawn = paper.figures[figure];
+  return paper.reading(drawn.reading) == reading && std::ranges::find(drawn.shows, "curves") != drawn.shows.end();
+}
+
+bool wanted(const ReproductionChoice& choice, const std::string& study) {
+  return choice.only.empty() || std::ranges::find(choice.only, study) != choice.only.end();
+}
+
+}  // namespace
+
+std::optional<std::size_t> Reproduction::find(std::size_t reading, std::string_view study) const {
+  const auto at = std::ranges::find_if(studies, [&](const ReproductionStudy& part) {
+    return part.reading == reading && paper->figures[part.figure].study == study;
+  });
+  if (at != studies.end()) return static_cast<std::size_t>(at - studies.begin());
+  if (reading == 0) return std::nullopt;
+  return find(paper->readings[reading].like.value_or(0), study);
+}
+
+std::string Reproduction::stem(const ReproductionStudy& study) const {
+  return cat(slug(paper->readings[study.reading].name), "/", paper->figures[study.figure].study);
+}
+
+Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice) {
+  Reproduction reproduction{&paper, choice, &item_at(paper.profiles, choice.profile, "profile"), {}};
+  std::vector<std::string> names;
+  for (const PaperFigure& figure : paper.figures) names.push_back(figure.study);
+  for (const std::string& name : choice.only) {
+    if (paper.figure(name) == nullptr)
+      throw Error(cat("unknown figure '", name, "'", did_you_mean(name, names), "; there are ", join(names, ", ")));
+  }
+  const std::optional<std::int64_t> seeds = choice.seeds ? choice.seeds : reproduction.profile->seeds;
+  if (seeds && (*seeds < 1 || *seeds > kMostSeeds))
+    throw Error(cat("a reproduction has 1 to ", kMostSeeds, " seeds of each training, not ", *seeds));
+  for (std::size_t r = 0; r < paper.readings.size(); ++r) {
+    for (std::size_t f = 0; f < paper.figures.size(); ++f) {
+      const std::string& study = paper.figures[f].study;
+      const PaperReading& reading = paper.readings[r];
+      const bool changed = std::ranges::find(reading.figures, study) != reading.figures.end();
+      if (!wanted(choice, study) || (r > 0 && !changed)) continue;
+      const auto other = reading.files.find(study);
+      const std::string name = other == reading.files.end() ? study : other->second;
+      const std::string file = cat("studies/paper/", name, ".toml");
+      const std::string_view text = paper_study(name);
+      std::vector<std::string> settings = reading_settings(reading, study);
+      const Study whole = parse_study(text, file, settings, no_files);
+      reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
+      std::ranges::move(profile_settings(whole, *reproduction.profile, seeds), std::back_inserter(settings));
+      if (r > 0 && !shows_margins(paper, f, r)) settings.push_back("evaluate.margin_tolerance=0");
+      reproduction.studies.push_back({r, f, parse_study(text, file, settings, no_files)});
+    }
+  }
+  return reproduction;
+}
+
+}  // namespace gust

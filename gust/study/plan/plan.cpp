@@ -1,0 +1,316 @@
+#include "gust/study/plan/plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gust/core/hash.h"
+#include "gust/core/text.h"
+#include "gust/study/plan/training_time.h"
+
+namespace gust {
+namespace {
+
+// Raised when the same text would give another outcome.
+constexpr int kTrainVersion = 1;
+constexpr int kSearchVersion = 2;
+constexpr int kEvaluateVersion = 1;
+constexpr int kMarginVersion = 1;
+constexpr double kMarginLevels = 40;  // that a margin looks at, about
+
+// Predicted seconds on one core of a current machine, until this one was measured (timings.h).
+constexpr double kSecondsPerEpisodeStep = 1.5e-7;
+
+void name_trial(Trial& trial, std::string_view label) {
+  trial.guess = trial.seconds;
+  trial.id = cat(slug(label, 40), "-", hash_hex(trial.canonical).substr(0, 20));
+}
+
+std::string common_text(const std::string& preset, const std::string& plant, const Readings& readings) {
+  return cat("preset ", preset, "\nplant ", plant, "\nreadings ", canonical_fields(readings), "\n");
+}
+
+std::string common_text(const Study& study) {
+  return common_text(study.setup.preset, study.setup.plant.canonical, study.setup.readings);
+}
+
+/// Whether commands clipped to the policy's box are those that the actuator would clip anyway.
+bool box_is_actuator(const PlantSpec& spec) {
+  if (!spec.normalized_action) return true;
+  for (std::size_t i = 0; i < spec.action.size(); ++i) {
+    if (spec.action_offset[i] - spec.action_scale[i] != spec.action_low[i] ||
+        spec.action_offset[i] + spec.action_scale[i] != spec.action_high[i])
+      return false;
+  }
+  return true;
+}
+
+/// What a training stands on. Where nothing is disturbed, nobody can tell where a force would pull, nor, as long as the
+/// reward does not charge the sum that is clipped, when the actuator clips it: such trainings have one text and are
+/// shared.
+std::string training_text(const Study& study, const StudyPolicy& policy) {
+  if (!policy.disturbed.empty() || policy.agent->disturbs()) return common_text(study);
+  Readings readings = study.setup.readings;
+  std::string plant = study.setup.plant.canonical;
+  const std::string pulled = cat("tap_point = \"", readings.tap_point, "\"");
+  readings.tap_point = Readings{}.tap_point;
+  if (const std::size_t at = plant.find(pulled); at != std::string::npos)
+    plant.replace(at, pulled.size(), cat("tap_point = \"", readings.tap_point, "\""));
+  if (readings.effort != "disturbed" && box_is_actuator(study.setup.plant->spec()))
+    readings.saturate = Readings{}.saturate;
+  return common_text(study.setup.preset, plant, readings);
+}
+
+std::string injections_text(const std::vector<Injection>& injections) {
+  std::string text;
+  for (const Injection& injection : injections) {
+    text += cat("disturb ", injection.canonical(), " level ", canonical_text(injection.level), "\n");
+  }
+  return text;
+}
+
+std::string randomised_text(const Study& study, const StudyPolicy& policy) {
+  const std::string text = policy.randomised.canonical(study.setup.plant->spec());
+  return text.empty() ? text : cat("randomise ", text, "\n");
+}
+
+/// At which risk level it acts; nothing if at its own.
+std::string level_text(const StudyPolicy& policy) {
+  return policy.alpha ? cat("alpha ", canonical_text(*policy.alpha), "\n") : std::string();
+}
+
+/// What is different in all cells of a sweep.
+std::string setting_text(const Study& study, const Sweep& sweep) {
+  std::string text = injections_text(sweep.disturbed);
+  for (const auto& [index, value] : sweep.parameters)
+    text += cat("parameter ", study.setup.plant->spec().parameters[index].name, " ", canonical_text(value), "\n");
+  return text;
+}
+
+/// What a file is: its bytes, and those of the files that hold its weights.
+std::string file_text(const StudyPolicy::File& file) {
+  std::string text = hash_hex(file.bytes);
+  for (const auto& [name, bytes] : file.data) text += cat(" data ", hash_hex(bytes));
+  return text;
+}
+
+std::string output_text(const StudyPolicy& policy) {
+  return policy.output.empty() ? std::string() : cat("output ", policy.output, "\n");
+}
+
+/// What the policy is, without its name: equal policies in two studies share their trials.
+std::string policy_text(const Study& study, const Trial& trial, const Plan& plan) {
+  const StudyPolicy& policy = study.policies[trial.policy];
+  switch (policy.kind) {
+    case StudyPolicy::Kind::kLqr:
+      return cat("policy lqr q ", canonical_text(policy.weights.q), " r ", canonical_text(policy.weights.r), "\n");
+    case StudyPolicy::Kind::kPd:
+      return "policy pd\n";
+    case StudyPolicy::Kind::kZero:
+      return "policy zero\n";
+    case StudyPolicy::Kind::kOnnx:
+      return cat("policy onnx ", file_text(policy.files[trial.member]), "\n", output_text(policy), level_text(policy),
+                 policy.interface.canonical(study.setup.plant->spec()));
+    default:
+      return cat("policy ", plan.trials[trial.inputs.front()].id, "\n", level_text(policy));
+  }
+}
+
+std::string member_label(const StudyPolicy& policy, std::size_t member) {
+  if (policy.kind == StudyPolicy::Kind::kTrain) return cat(policy.name, " seed ", policy.seeds[member]);
+  if (policy.kind == StudyPolicy::Kind::kOnnx && policy.files.size() > 1)
+    return cat(policy.name, " ", policy.files[member].path);
+  return policy.name;
+}
+
+Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
+  const StudyPolicy& trained = study.policies[policy];
+  Trial trial{.kind = Trial::Kind::kTrain, .policy = policy, .member = member};
+  trial.canonical =
+      cat("train v", kTrainVersion, "\n", training_text(study, trained), "agent ", trained.agent.canonical, "\n",
+          injections_text(trained.disturbed), randomised_text(study, trained),
+          trained.curve_as_trained ? "curve training\n" : "", "seed ", trained.seeds[member], "\n");
+  trial.what = cat("train ", member_label(trained, member));
+  if (!trained.randomised.draws.empty())
+    trial.what += cat(" · randomise ", trained.randomised.label(study.setup.plant->spec()));
+  trial.seconds = training_seconds(*trained.agent.object, study.setup.plant->spec());
+  name_trial(trial, cat(trained.agent.kind, " s", trained.seeds[member]));
+  return trial;
+}
+
+Trial search_trial(const Study& study, Trial trial, const Plan& plan) {
+  const Sweep& sweep = study.sweeps[trial.sweep];
+  trial.kind = Trial::Kind::kSearch;
+  trial.canonical = cat("search v", kSearchVersion, "\n", common_text(study), policy_text(study, trial, plan),
+                        injections_text(study.always), setting_text(study, sweep), "sweep ",
+                        sweep.injection->canonical(), "\nseed ", study.seed, "\n");
+  trial.what = cat("search ", member_label(study.policies[trial.policy], trial.member), " · ", sweep.name);
+  trial.seconds = 0.1;
+  name_trial(trial, cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind));
+  return trial;
+}
+
+std::string sweep_text(const Study& study, const Trial& trial) {
+  if (trial.sweep == Trial::kNominal) return "nominal\n";
+  const Sweep& sweep = study.sweeps[trial.sweep];
+  std::string text = setting_text(study, sweep);
+  if (sweep.injection) text += cat("sweep ", sweep.injection->canonical(), "\n");
+  for (const Sweep::Axis& axis : sweep.axes) {
+    text += cat("axis ", axis.name(), " ", canonical_text(axis.values), "\n");
+  }
+  return text;
+}
+
+std::string starts_text(const Study& study) {
+  std::string text;
+  for (const StartProtocol& start : study.starts) {
+    text += start.random ? "start random\n" : cat("start ", canonical_text(start.state), "\n");
+  }
+  return text;
+}
+
+std::string sweep_label(const Study& study, const Trial& trial) {
+  if (trial.sweep == Trial::kNominal) return "nominal";
+  const Sweep& sweep = study.sweeps[trial.sweep];
+  if (sweep.along_levels()) return cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind);
+  return sweep.axes.size() == 1 ? sweep.axes[0].parameter : cat(sweep.axes[0].parameter, " ", sweep.axes[1].parameter);
+}
+
+/// What one episode and one cell after the other take.
+double evaluation_seconds(const Study& study, double cells) {
+  const PlantSpec& spec = study.setup.plant->spec();
+  const double steps =
+      cells * static_cast<double>(study.starts.size()) * static_cast<double>(study.episodes * spec.steps);
+  return steps * (kSecondsPerEpisodeStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate);
+}
+
+Trial evaluate_trial(const Study& study, Trial trial, const Plan& plan) {
+  trial.kind = Trial::Kind::kEvaluate;
+  trial.canonical =
+      cat("evaluate v", kEvaluateVersion, "\n", common_text(study), policy_text(study, trial, plan),
+          injections_text(study.always), sweep_text(study, trial), starts_text(study), "episodes ", study.episodes,
+          "\nterminate ", study.terminate, "\nseed ", study.seed, "\ntraces worst ", study.traces.worst, " median ",
+          study.traces.median, " by ", study.metric_set.name(study.metrics.front()), "\n");
+  const std::string name = trial.sweep == Trial::kNominal ? "nominal" : study.sweeps[trial.sweep].name;
+  trial.what = cat("evaluate ", member_label(study.policies[trial.policy], trial.member), " · ", name);
+  trial.cells = trial.sweep == Trial::kNominal ? 1 : study.sweeps[trial.sweep].cells();
+  trial.seconds = evaluation_seconds(study, static_cast<double>(trial.cells));
+  name_trial(trial, sweep_label(study, trial));
+  return trial;
+}
+
+/// The evaluations of a policy's members, undisturbed and along a sweep, without those whose training failed.
+std::vector<std::size_t> margin_inputs(const Plan& plan, std::size_t policy, std::size_t sweep,
+                                       const std::set<std::string>& failed) {
+  std::vector<std::size_t> inputs;
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    const Trial& trial = plan.trials[i];
+    if (trial.kind != Trial::Kind::kEvaluate || trial.policy != policy) continue;
+    if (trial.sweep != sweep && trial.sweep != Trial::kNominal) continue;
+    const bool trained = trial.inputs.empty() || !failed.contains(plan.trials[trial.inputs.front()].id);
+    if (trained) inputs.push_back(i);
+  }
+  return inputs;
+}
+
+Trial margin_trial(const Study& study, const Plan& plan, std::vector<std::size_t> inputs) {
+  const Trial& first = plan.trials[inputs.back()];
+  Trial trial{.kind = Trial::Kind::kMargin, .policy = first.policy, .member = first.member, .sweep = first.sweep};
+  trial.canonical = cat("margin v", kMarginVersion, "\n");
+  for (const std::size_t input : inputs) trial.canonical += cat("input ", plan.trials[input].id, "\n");
+  trial.canonical += cat("score ", study.metric_set.name(margin_metric(study)), "\ntolerance ",
+                         canonical_text(study.margin_tolerance), "\n");
+  const auto members = static_cast<double>(inputs.size()) / 2;
+  trial.what = cat("margin ", study.policies[trial.policy].name, " · ", study.sweeps[trial.sweep].name);
+  trial.inputs = std::move(inputs);
+  trial.seconds = evaluation_seconds(study, kMarginLevels * members);
+  name_trial(trial, sweep_label(study, trial));
+  return trial;
+}
+
+/// The training that a policy's member comes from, if it is trained.
+std::vector<std::size_t> inputs_of(const Plan& plan, std::size_t policy, std::size_t member) {
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    const Trial& trial = plan.trials[i];
+    if (trial.kind == Trial::Kind::kTrain && trial.policy == policy && trial.member == member) return {i};
+  }
+  return {};
+}
+
+template <class Visit>
+void for_each_member(const Study& study, Visit&& visit) {
+  for (std::size_t policy = 0; policy < study.policies.size(); ++policy) {
+    for (std::size_t member = 0; member < study.policies[policy].count(); ++member) visit(policy, member);
+  }
+}
+
+}  // namespace
+
+std::string_view kind_name(Trial::Kind kind) {
+  static constexpr std::string_view kNames[] = {"train", "search", "evaluate", "margin"};
+  return kNames[static_cast<int>(kind)];
+}
+
+bool refines_margin(const Study& study, const Sweep& sweep) {
+  return study.margin_tolerance > 0 && sweep.along_levels() && sweep.axes.front().values.size() > 1 &&
+         sweep.axes.front().values.front() >= 0;
+}
+
+Plan expand(const Study& study, const FoundLevels& found, const std::set<std::string>& failed) {
+  Plan plan{.starts = study.starts, .episodes = static_cast<std::uint64_t>(study.episodes)};
+  for_each_member(study, [&](std::size_t policy, std::size_t member) {
+    if (study.policies[policy].kind == StudyPolicy::Kind::kTrain)
+      plan.trials.push_back(train_trial(study, policy, member));
+  });
+  for_each_member(study, [&](std::size_t policy, std::size_t member) {
+    const Trial base{.policy = policy, .member = member, .inputs = inputs_of(plan, policy, member)};
+    for (std::size_t sweep = 0; sweep < study.sweeps.size(); ++sweep) {
+      if (!study.sweeps[sweep].automatic) continue;
+      Trial trial = base;
+      trial.sweep = sweep;
+      plan.trials.push_back(search_trial(study, trial, plan));
+    }
+  });
+  for_each_member(study, [&](std::size_t policy, std::size_t member) {
+    const Trial base{.policy = policy, .member = member, .inputs = inputs_of(plan, policy, member)};
+    plan.trials.push_back(evaluate_trial(study, base, plan));
+    for (std::size_t sweep = 0; sweep < study.sweeps.size(); ++sweep) {
+      if (study.sweeps[sweep].automatic && !found.contains(sweep)) {
+        plan.complete = false;
+        continue;
+      }
+      Trial trial = base;
+      trial.sweep = sweep;
+      plan.trials.push_back(evaluate_trial(study, trial, plan));
+    }
+  });
+  for (std::size_t policy = 0; policy < study.policies.size(); ++policy) {
+    for (std::size_t sweep = 0; sweep < study.sweeps.size(); ++sweep) {
+      const bool waits = study.sweeps[sweep].automatic && !found.contains(sweep);
+      if (waits || !refines_margin(study, study.sweeps[sweep])) continue;
+      std::vector<std::size_t> inputs = margin_inputs(plan, policy, sweep, failed);
+      if (!inputs.empty()) plan.trials.push_back(margin_trial(study, plan, std::move(inputs)));
+    }
+  }
+  return plan;
+}
+
+void set_levels(Study& study, const FoundLevels& found) {
+  for (const auto& [sweep, levels] : found) study.sweeps[sweep].axes.front().values = levels;
+}
+
+double search_limit(Site site) { return site == Site::kObservation ? 12.0 : 60.0; }
+
+std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit) {
+  static constexpr double kShares[] = {0, 0.25, 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5};
+  double greatest = 0;
+  for (const double level : failure_levels) greatest = std::max(greatest, std::isfinite(level) ? level : 0.0);
+  const double unit = greatest > 0 ? greatest : limit / 1.5;
+  std::vector<double> levels;
+  for (const double share : kShares) {
+    const double level = unit * share;
+    levels.push_back(std::stod(fmt::format("{:.3g}", level)));  // levels that people can read
+  }
+  return levels;
+}
+
+}  // namespace gust

@@ -1,0 +1,16 @@
+#include "gust/study/plan/training_time.h"
+
+namespace gust {
+namespace {
+
+constexpr double kSecondsPerOperation = 1e-11;
+constexpr double kSecondsPerTrainingStep = 1e-6;
+
+}  // namespace
+
+double training_seconds(const Agent& agent, const PlantSpec& spec) {
+  const double step = kSecondsPerTrainingStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate;
+  return static_cast<double>(agent.steps()) * (step + kSecondsPerOperation * agent.work());
+}
+
+}  // namespace gust

@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <limits>
+
+#include "gust/core/text.h"
+#include "gust/stats/statistics.h"
+#include "gust/study/summary/claim_scores.h"
+#include "gust/study/trials/trials.h"
+
+namespace gust {
+namespace {
+
+/// A column of curve.csv by its name.
+double CurvePoint::*curve_column(const std::string& name) {
+  const std::pair<const char*, double CurvePoint::*> columns[] = {{"anr_h", &CurvePoint::anr_h},
+                                                                  {"anr", &CurvePoint::anr},
+                                                                  {"rmse_scg", &CurvePoint::rmse_scg},
+                                                                  {"return_mean", &CurvePoint::return_mean},
+                                                                  {"length_mean", &CurvePoint::length_mean}};
+  std::vector<std::string> known;
+  for (const auto& [known_name, column] : columns) {
+    if (name == known_name) return column;
+    known.emplace_back(known_name);
+  }
+  throw Error(cat("a learning curve has no '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
+}
+
+}  // namespace
+
+FormulaValue ClaimScores::curve(std::string_view function, const Arguments& arguments) const {
+  check_count(function, arguments, 2);
+  const auto column = curve_column(arguments.size() == 2 ? arguments[1].as_text(cat("'", function, "'")) : "anr_h");
+  const Place place = find({arguments[0]}, function);
+  count_seeds(place);
+  const std::vector<std::vector<CurvePoint>> seeds = curves(place);
+  FormulaList list;
+  for (std::size_t i = 0; i < seeds.front().size(); ++i) {
+    std::vector<double> units;
+    for (const std::vector<CurvePoint>& seed : seeds) units.push_back(seed[i].*column);
+    const CurvePoint& point = seeds.front()[i];
+    list.axis.push_back(static_cast<double>(function == "own_curve" ? point.protagonist_steps : point.steps));
+    list.items.push_back({sampled(place, units, function == "curve_spread" ? sample_deviation : over_units(place))});
+  }
+  return {std::move(list)};
+}
+
+std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) const {
+  const StudyPolicy& policy = place.source->study->policies[place.policy];
+  if (policy.kind != StudyPolicy::Kind::kTrain)
+    throw Error(cat("policy '", policy.name, "' is not trained: it has no learning curve"));
+  std::vector<std::vector<CurvePoint>> curves;
+  if (place.source->store == nullptr) {
+    constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
+    curves.push_back({{.steps = 0, .anr_h = 1}, {.steps = kFar, .anr_h = 1, .protagonist_steps = kFar}});
+    return curves;
+  }
+  const Plan& plan = *place.source->plan;
+  std::vector<std::size_t> trials;
+  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
+    if (plan.trials[i].kind == Trial::Kind::kTrain && plan.trials[i].policy == place.policy) trials.push_back(i);
+  }
+  keep_in_order(place, trials);
+  for (const std::size_t index : trials) {
+    const Trial& trial = plan.trials[index];
+    const std::optional<StoredTrial> stored = place.source->store->load(kind_name(trial.kind), trial.id);
+    if (!stored) throw NotTestable(cat("not measured: ", trial.what));
+    curves.push_back(read_curve(stored->read(kCurveFile), trial.id));
+  }
+  GUST_CHECK(!curves.empty());
+  std::size_t shortest = curves.front().size();
+  for (const auto& curve : curves) shortest = std::min(shortest, curve.size());
+  for (auto& curve : curves) curve.resize(shortest);
+  if (shortest == 0) throw NotTestable(cat("a training of '", policy.name, "' ended before its first point"));
+  return curves;
+}
+
+}  // namespace gust

@@ -1,0 +1,147 @@
+#pragma once
+
+#include <optional>
+#include <set>
+
+#include "gust/agents/agent.h"
+#include "gust/control/lqr.h"
+#include "gust/control/policy_interface.h"
+#include "gust/eval/evaluate.h"
+#include "gust/eval/metric.h"
+#include "gust/onnx/data.h"
+#include "gust/setup/setup.h"
+#include "gust/stats/claim.h"
+
+namespace gust {
+
+/// A policy of a study: a regulator, nothing at all, files, or trainings with one policy a seed.
+struct StudyPolicy {
+  enum class Kind { kLqr, kPd, kZero, kOnnx, kTrain };
+  struct File {
+    std::string path;  ///< as the study's pattern found it
+    std::string bytes;
+    OnnxData data = {};  ///< the files beside an ONNX file that hold its weights; they are part of what the policy is
+  };
+
+  std::string name;
+  Kind kind = Kind::kZero;
+  Place place;
+  LqrWeights weights;                                       ///< kLqr
+  std::vector<File> files;                                  ///< kOnnx; several count as seeds, byte-equal ones are one
+  std::vector<std::pair<std::string, std::string>> copies;  ///< kOnnx: files left out, each with the one it equals
+  Made<Agent> agent;                                        ///< kTrain
+  std::vector<std::int64_t> seeds;                          ///< kTrain
+  std::vector<Injection> disturbed;                         ///< kTrain: on during training
+  Randomisation randomised;                                 ///< kTrain: parameters drawn in training
+  bool curve_as_trained = false;                            ///< kTrain: its learning curve has them, and is disturbed
+  std::string output;           ///< kOnnx: the output that is the action; empty: read_onnx finds it
+  std::optional<double> alpha;  ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
+  PolicyInterface interface;    ///< kOnnx: how it sees and acts, if not as gust does
+  bool foreign = false;         ///< kOnnx: a file of it was not made by gust
+  std::string unit_warning;     ///< kOnnx: of its first file whose unit nobody says
+
+  /// How many policies share the name: training seeds or files, else one.
+  std::size_t count() const;
+  /// Which of them it is: the training seed or the file; empty for a policy that stands alone.
+  std::string member(std::size_t index) const;
+};
+
+/// Something that grows along an axis while everything else stays: the level of a disturbance, or plant parameters.
+struct Sweep {
+  struct Axis {
+    std::string parameter;       ///< empty: the level of the injection
+    std::size_t index = 0;       ///< of the parameter in the plant's spec
+    std::vector<double> values;  ///< ascending; absolute for parameters
+
+    std::string name() const { return parameter.empty() ? "level" : parameter; }
+  };
+
+  std::string name;
+  Place place;
+  std::optional<Injection> injection;
+  bool automatic = false;                                  ///< the levels are found by bisection first
+  std::vector<Axis> axes;                                  ///< one, or two for a grid (the first varies slowest)
+  std::vector<Injection> disturbed;                        ///< on in all cells, beside what the study has on
+  std::vector<std::pair<std::size_t, double>> parameters;  ///< of the plant, by index: other values in all cells
+
+  std::size_t cells() const;
+  /// Of an axis: the parameter's, or what the disturbed channels are measured in: "N", "rad", "m, rad" of several.
+  std::string unit(const PlantSpec& spec, std::size_t axis = 0) const;
+  /// What is different in all cells, with all that makes it so: "pole_mass = 0.15, dynamics step(offset = 2) on fx in
+  /// steps 25:50 at 0.2"; empty if nothing is.
+  std::string setting(const PlantSpec& spec) const;
+  /// Whether its one axis is the level of a disturbance.
+  bool along_levels() const { return injection.has_value() && axes.size() == 1; }
+};
+
+/// "fx fz=0.5": the channels that are disturbed, with factors that are not 1.
+std::string channels_text(const Injection& injection, const PlantSpec& spec);
+
+/// A statement about the outcome, decided with an interval: a bound for one metric in one place, or a formula.
+struct StudyClaim {
+  std::string id;
+  std::string text;
+  std::string holds;               ///< "survival >= 0.95", or the formula's text
+  std::optional<Formula> formula;  ///< if it says no `where`
+  std::string metric;              ///< of the formula's score()
+  std::string policy;
+  std::string sweep;       ///< empty: undisturbed
+  std::vector<double> at;  ///< level, or one value per axis
+  std::string start;
+  bool required = true;
+  Place place;
+};
+
+/// Which episodes of a sweep are kept whole, for the replay.
+struct TraceRule {
+  std::int64_t worst = 0;
+  std::int64_t median = 0;
+};
+
+/// Somebody else's learning curve, to be drawn beside those of a policy.
+struct ReferenceCurve {
+  std::string policy;
+  std::string source;  ///< whose it is
+  std::vector<double> steps;
+  std::vector<double> score;
+};
+
+/// A study as it was written, every default filled in.
+struct Study {
+  std::string text;  ///< the bytes of the file
+  std::string name;
+  std::string question;
+  std::int64_t seed = 1;
+  Setup setup;
+  std::int64_t episodes = 25;
+  std::vector<StartProtocol> starts;
+  bool terminate = true;
+  double margin_tolerance = 0.02;    ///< of a margin: how far apart levels around it may be; 0 asks for no more levels
+  std::vector<std::size_t> metrics;  ///< what the page leads with, by index
+  std::vector<Injection> always;     ///< on in every evaluation
+  std::vector<StudyPolicy> policies;
+  std::vector<Sweep> sweeps;
+  FormulaNames names;  ///< for formulas
+  std::vector<StudyClaim> claims;
+  TraceRule traces;
+  std::vector<ReferenceCurve> reference_curves;
+  MetricSet metric_set;
+  std::vector<std::vector<StudyPolicy::File>> found;  ///< every file that was read, by pattern, in the order of asking
+};
+
+/// The starts of a study by index, in the order in which results are told: the one that is named, then random ones.
+std::vector<std::size_t> starts_to_tell(const Study& study, std::string_view first = {});
+
+/// What margins are of, and score() in claims: the first leading metric that is better when higher, but not survival,
+/// which has no slope.
+std::size_t margin_metric(const Study& study);
+
+/// Finds and reads the files of a pattern such as "policies/*.onnx", sorted by path.
+using FindFiles = std::function<std::vector<StudyPolicy::File>(const std::string& pattern, const Place& place)>;
+
+/// Reads a study. `settings` are key=value pairs that replace what the text says, the last one first
+/// ("evaluate.episodes=5", "policy.ppo.seeds=[1,2]"). Throws Error with the place and what would be right.
+Study parse_study(std::string_view bytes, std::string_view name, const std::vector<std::string>& settings,
+                  const FindFiles& find);
+
+}  // namespace gust

@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "gust/study/trials/trials.h"
+
+namespace gust {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kCurveHead = "steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg,protagonist_steps";
+constexpr std::string_view kOldCurveHead = "steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg";
+
+Json matrix_json(const Matrix<double>& matrix) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < matrix.rows(); ++i) {
+    rows.push_back(std::vector<double>(matrix.row(i).begin(), matrix.row(i).end()));
+  }
+  return rows;
+}
+
+/// JSON has no infinity and no NaN; both come back as NaN.
+double number_from(const Json& json) {
+  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+}
+
+Matrix<double> matrix_from(const Json& rows) {
+  Matrix<double> matrix(rows.size(), rows.empty() ? 0 : rows.front().size());
+  for (std::size_t i = 0; i < matrix.rows(); ++i) {
+    if (rows[i].size() != matrix.lanes()) throw Error("rows of unequal length");
+    for (std::size_t k = 0; k < matrix.lanes(); ++k) matrix.at(i, k) = number_from(rows[i][k]);
+  }
+  return matrix;
+}
+
+Trace trace_from(const Json& json) {
+  Trace trace;
+  trace.index = {json.at("cell"), json.at("start"), json.at("episode")};
+  trace.state = matrix_from(json.at("state"));
+  trace.observation = matrix_from(json.at("observation"));
+  trace.commanded = matrix_from(json.at("commanded"));
+  trace.disturbed = matrix_from(json.at("disturbed"));
+  trace.applied = matrix_from(json.at("applied"));
+  trace.force = matrix_from(json.at("force"));
+  for (const Json& reward : json.at("reward")) trace.reward.push_back(number_from(reward));
+  trace.failed_at = json.at("failed_at");
+  return trace;
+}
+
+}  // namespace
+
+double number_from_text(std::string_view text, std::string_view name) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc{} || read != end) throw Error(cat(name, ": not a number"));
+  return number;
+}
+
+std::string curve_text(const std::vector<CurvePoint>& curve) {
+  std::string text = cat(kCurveHead, "\n");
+  for (const CurvePoint& p : curve) {
+    text += cat(p.steps, ",", p.return_mean, ",", p.return_std, ",", p.length_mean, ",", p.anr, ",", p.anr_h, ",",
+                p.rmse_scg, ",", p.protagonist_steps, "\n");
+  }
+  return text;
+}
+
+std::vector<CurvePoint> read_curve(std::string_view text, std::string_view name) {
+  std::vector<CurvePoint> curve;
+  const std::vector<std::string> lines = split_text(text, '\n');
+  const bool old = !lines.empty() && lines.front() == kOldCurveHead;  // every step was the protagonist's
+  if (lines.empty() || (lines.front() != kCurveHead && !old)) throw Error(cat(name, ":1: no learning curve"));
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    double values[8] = {};
+    const std::size_t columns = old ? 7 : 8;
+    const std::vector<std::string> cells = split_text(lines[i], ',');
+    bool good = cells.size() == columns;
+    for (std::size_t c = 0; good && c < cells.size(); ++c) {
+      const char* end = cells[c].data() + cells[c].size();
+      good = std::from_chars(cells[c].data(), end, values[c]).ptr == end;
+    }
+    if (!good) throw Error(cat(name, ":", i + 1, ": not ", columns, " numbers"));
+    curve.push_back({static_cast<std::int64_t>(values[0]), values[1], values[2], values[3], values[4], values[5],
+                     values[6], static_cast<std::int64_t>(old ? values[0] : values[7])});
+  }
+  return curve;
+}
+
+std::string traces_text(const std::vector<Trace>& traces) {
+  Json list = Json::array();
+  for (const Trace& trace : traces) {
+    list.push_back({{"cell", trace.index.cell},
+                    {"start", trace.index.start},
+                    {"episode", trace.index.episode},
+                    {"failed_at", trace.failed_at},
+                    {"state", matrix_json(trace.state)},
+                    {"observation", matrix_json(trace.observation)},
+                    {"commanded", matrix_json(trace.commanded)},
+                    {"disturbed", matrix_json(trace.disturbed)},
+                    {"applied", matrix_json(trace.applied)},
+                    {"force", matrix_json(trace.force)},
+                    {"reward", trace.reward}});
+  }
+  return list.dump() + "\n";
+}
+
+std::vector<Trace> read_traces(std::string_view text, std::string_view name) {
+  try {
+    std::vector<Trace> traces;
+    for (const Json& json : Json::parse(text)) traces.push_back(trace_from(json));
+    return traces;
+  } catch (const std::exception& error) {
+    throw Error(cat(name, ": no kept episodes: ", error.what()));
+  }
+}
+
+}  // namespace gust
