@@ -36,6 +36,20 @@ struct CurvePoint {
   std::int64_t protagonist_steps = 0;  ///< those that the policy itself has learned from
 };
 
+/// A number of a learning curve, as files and formulas call it.
+struct CurveColumn {
+  const char* name;
+  double CurvePoint::*value;
+};
+
+/// All of them, in the order of the files.
+inline constexpr CurveColumn kCurveColumns[] = {{"return_mean", &CurvePoint::return_mean},
+                                                {"return_std", &CurvePoint::return_std},
+                                                {"length_mean", &CurvePoint::length_mean},
+                                                {"anr", &CurvePoint::anr},
+                                                {"anr_h", &CurvePoint::anr_h},
+                                                {"rmse_scg", &CurvePoint::rmse_scg}};
+
 /// An adversary that a policy was trained against, and where it acts.
 struct TrainedAdversary {
   ActorNetwork actor;

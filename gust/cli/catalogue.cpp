@@ -124,8 +124,8 @@ CatalogueKind metric_kind() {
   for (const Entry<Metric>& entry : metrics().entries()) {
     CatalogueItem item = item_of(entry);
     const Made<Metric> made = entry.make(Table{});
-    item.notes = {{"better", made->higher_is_better() ? "higher" : "lower"}};
-    if (!made->unit().empty()) item.notes.emplace_back("unit", std::string(made->unit()));
+    item.notes = {{"better", made->traits().higher_is_better ? "higher" : "lower"}};
+    if (!made->traits().unit.empty()) item.notes.emplace_back("unit", std::string(made->traits().unit));
     item.example = cat("[evaluate]\nmetrics = [\"", entry.name, "\"]");
     kind.items.push_back(std::move(item));
   }

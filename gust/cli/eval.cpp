@@ -166,9 +166,9 @@ FilePolicy prepare_policy(const EvalRequest& request, const Setup& setup, std::s
 
 /// The hint if most episodes, which nothing disturbs, end within a second.
 std::string failure_note(const std::string& policy, const std::vector<EvalRow>& rows, const PlantSpec& spec) {
-  const auto early = std::ranges::count_if(rows, [&](const EvalRow& row) {
-    return row.failed && row.not_finite.empty() && row.metrics[MetricSet().index("time_to_failure", {})] <= kAtOnce;
-  });
+  const std::size_t time = MetricSet().first(MetricRole::failure_time);
+  const auto early = std::ranges::count_if(
+      rows, [&](const EvalRow& row) { return row.failed && row.not_finite.empty() && row.metrics[time] <= kAtOnce; });
   const std::string failure = failure_hint_text(static_cast<std::size_t>(early), rows.size());
   return failure.empty() ? failure : cat(policy, ": ", failure, interface_hint(spec));
 }
@@ -179,10 +179,7 @@ std::vector<double> row_metrics(const MetricSet& set, const Episode& episode, bo
   row.ended = row.whole = episode.part(terminate);
   std::vector<double> values;
   for (std::size_t i = 0; i < set.size(); ++i) {
-    static constexpr std::string_view kOfRow[] = {"return_sum", "length",   "rmse_paper",
-                                                  "rmse_scg",   "rmse_sum", "squared_state_sum"};
-    const bool of_row = std::ranges::find(kOfRow, set.name(i)) != std::end(kOfRow);
-    values.push_back(set[i].value(of_row ? row : episode));
+    values.push_back(set[i].value(set[i].traits().sums_over_row ? row : episode));
   }
   return values;
 }

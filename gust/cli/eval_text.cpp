@@ -25,13 +25,13 @@ std::string json_row(const EvalRow& row, const MetricSet& metrics) {
   };
   if (!row.seed.empty()) add("seed", Json(row.seed).dump(-1, ' ', false, Json::error_handler_t::replace));
   add("episode", cat(row.episode));
-  add("length", cat(row.length));
+  add(metrics.name_of(MetricRole::length), cat(row.length));
   add("failed", cat(row.failed));
   add("finite", cat(row.finite));
   add("return_sum_commanded", json_number(row.return_sum_commanded));
   add("return_sum_disturbed", json_number(row.return_sum_disturbed));
   for (const std::size_t i : metrics.stored()) {
-    if (metrics.name(i) != "length")
+    if (metrics[i].traits().role != MetricRole::length)
       add(metrics.name(i), json_number(row.metrics[i]));  // it is there, as a whole number
   }
   add("initial_state", json_numbers(row.initial_state));
@@ -68,7 +68,7 @@ std::string quotient_line(const MetricSet& metrics, std::size_t metric, const st
     }
     for (const std::size_t part : {numerator, denominator}) seeds.back().metrics[part] += row.metrics[part];
   }
-  return table_line(metrics.name(metric), metrics[metric].unit(), seeds,
+  return table_line(metrics.name(metric), metrics[metric].traits().unit, seeds,
                     [&](const EvalRow& seed) { return seed.metrics[numerator] / seed.metrics[denominator]; });
 }
 
@@ -94,7 +94,8 @@ std::string eval_table(const std::vector<EvalRow>& rows) {
       text += quotient_line(metrics, i, rows);
       continue;
     }
-    text += table_line(metrics.name(i), metrics[i].unit(), rows, [i](const EvalRow& row) { return row.metrics[i]; });
+    text +=
+        table_line(metrics.name(i), metrics[i].traits().unit, rows, [i](const EvalRow& row) { return row.metrics[i]; });
   }
   return text;
 }

@@ -162,7 +162,7 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
       cat("gust export ", shell_word(folder.path().string()), " --csv ", shell_word(study.name + ".csv"));
   context.warnings = warnings;
   context.provenance = {{"gust", std::string(kVersion)},
-                        {"plant", study.setup.plant.canonical},
+                        {"plant", study.setup.plant.canonical()},
                         {"readings", canonical_fields(study.setup.readings)},
                         {"root seed", cat(study.seed)},
                         {"machine", machine()},

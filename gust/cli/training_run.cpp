@@ -70,9 +70,9 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   if (settings.randomise) randomised_ = parse_randomise(*settings.randomise, setup_);
   const std::string drawn = randomised_.canonical(setup_.plant->spec());
   identity_ =
-      hash_hex(cat("gust ", kVersion, "\n", agent_.canonical, "\n", setup_.preset, "\n", setup_.plant.canonical, "\n",
-                   canonical_fields(setup_.readings), "\nseed ", seed_, drawn.empty() ? "" : "\nrandomise ", drawn,
-                   settings.curve_as_trained ? "\ncurve training" : ""));
+      hash_hex(cat("gust ", kVersion, "\n", agent_.canonical(), "\n", setup_.preset, "\n", setup_.plant.canonical(),
+                   "\n", canonical_fields(setup_.readings), "\nseed ", seed_, drawn.empty() ? "" : "\nrandomise ",
+                   drawn, settings.curve_as_trained ? "\ncurve training" : ""));
   remove_left_aside(checkpoint_);
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
   training_ = agent_->start(

@@ -9,13 +9,16 @@
 
 namespace gust {
 
-/// An object made from options, with the canonical text of all its options, defaults included.
+/// An object made from options, and what it is made from, defaults included.
 template <class T>
 struct Made {
   std::shared_ptr<const T>
       object;  ///< shared because it never changes: a study, its sweeps and trials hold the same one
   std::string kind;
-  std::string canonical;  ///< "kind(name = value, …)"; equal texts make equal objects
+  Identity options;
+
+  /// "kind(name = value, …)"; equal texts make equal objects.
+  std::string canonical() const { return cat(kind, "(", options.text(), ")"); }
 
   const T* operator->() const { return object.get(); }
   const T& operator*() const { return *object; }
@@ -73,7 +76,7 @@ Entry<T> make_entry(std::string name, std::string summary, std::string source, M
   entry.make = [name, make_object](const Table& table) {
     Options options;
     read_fields(options, table, name, {"kind"});
-    return Made<T>{make_object(options), name, cat(name, "(", canonical_fields(options), ")")};
+    return Made<T>{make_object(options), name, identity_of(options)};
   };
   return entry;
 }

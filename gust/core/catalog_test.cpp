@@ -37,8 +37,8 @@ TEST_CASE("a kind is made from its options and knows its canonical text") {
 
   CHECK(pet->weight() == 5.5);
   CHECK(pet.kind == "cat");
-  CHECK(pet.canonical == "cat(kilos = 5.5)");
-  CHECK(pets().at("cat").make(table({})).canonical == "cat(kilos = 4)");
+  CHECK(pet.canonical() == "cat(kilos = 5.5)");
+  CHECK(pets().at("cat").make(table({})).canonical() == "cat(kilos = 4)");
 }
 
 TEST_CASE("an unknown, misspelt or missing kind is one clear error") {

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "gust/core/identity.h"
 #include "gust/core/text.h"
 #include "gust/core/value.h"
 
@@ -119,17 +120,22 @@ void read_fields(S& options, const Table& table, std::string_view what, const st
   if constexpr (requires { options.check(table.place); }) options.check(table.place);
 }
 
-/// Every option as "name = value", in the order of declaration: what is hashed and shown. later() ones that are at
+/// Every option with its value, in the order of declaration: what is hashed and shown. later() ones that are at
 /// their default are left out.
 template <class S>
-std::string canonical_fields(const S& options) {
+Identity identity_of(const S& options) {
   const S standard{};
-  std::string text;
+  Identity identity;
   for_each_field<S>([&](const auto& field) {
     if (field.later && options.*field.member == standard.*field.member) return;
-    text += cat(text.empty() ? "" : ", ", field.name, " = ", canonical_text(options.*field.member));
+    identity.add(std::string(field.name), canonical_text(options.*field.member));
   });
-  return text;
+  return identity;
+}
+
+template <class S>
+std::string canonical_fields(const S& options) {
+  return identity_of(options).text();
 }
 
 }  // namespace gust

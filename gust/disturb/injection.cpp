@@ -123,7 +123,7 @@ const std::vector<Component>& channels_of(Site site, const PlantSpec& spec) {
 std::string Injection::canonical() const {
   const std::string window =
       end == std::numeric_limits<std::int64_t>::max() ? cat("[", start, ", end)") : cat("[", start, ", ", end, ")");
-  return cat(site_name(site), " ", waveform.canonical, " channels ", canonical_text(factors), " during ", window);
+  return cat(site_name(site), " ", waveform.canonical(), " channels ", canonical_text(factors), " during ", window);
 }
 
 Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also) {

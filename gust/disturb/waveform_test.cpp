@@ -18,7 +18,7 @@ TEST_CASE("every waveform gives finite values, the same bits for the same stream
     for (const double value : once) CHECK(std::isfinite(value));
     CHECK(std::memcmp(once.data(), again.data(), once.size() * sizeof(double)) == 0);
     CHECK((once == other) == !made->random());
-    CHECK(made.canonical.starts_with(entry.name + "("));
+    CHECK(made.canonical().starts_with(entry.name + "("));
     CHECK_FALSE(entry.summary.empty());
     CHECK_FALSE(entry.source.empty());
   }

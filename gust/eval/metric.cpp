@@ -1,5 +1,7 @@
 #include "gust/eval/metric.h"
 
+#include <algorithm>
+
 namespace gust {
 
 #define GUST_ENTRY(name) Entry<Metric> metric_##name();
@@ -35,6 +37,22 @@ std::size_t MetricSet::index(std::string_view name, const Place& place) const {
   std::size_t i = 0;
   while (made_[i].kind != name) ++i;
   return i;
+}
+
+std::size_t MetricSet::first(MetricRole role) const {
+  const auto of_role = [&](const Made<Metric>& metric) { return metric->traits().role == role; };
+  const auto found = std::ranges::find_if(made_, of_role);
+  GUST_CHECK(found != made_.end());
+  return static_cast<std::size_t>(found - made_.begin());
+}
+
+std::vector<std::size_t> MetricSet::leading() const {
+  std::vector<std::size_t> leading;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (made_[i]->traits().lead > 0) leading.push_back(i);
+  }
+  std::ranges::sort(leading, {}, [&](std::size_t i) { return made_[i]->traits().lead; });
+  return leading;
 }
 
 std::vector<bool> MetricSet::applying(const PlantSpec& spec) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -14,6 +15,30 @@ struct Quotient {
   std::string_view denominator;
 };
 
+/// What a metric says of an episode.
+enum class MetricRole {
+  score,         ///< how well it went
+  error,         ///< how far the state was from where it should be
+  survival,      ///< whether it ended without a failure
+  failure_time,  ///< when it failed
+  length,        ///< how many control steps it had
+  saturation,    ///< how often the actuator could not give what was asked for
+  diagnostic,    ///< anything else
+};
+
+/// What is true of a metric for every episode: its own file declares it, and nobody else guesses.
+struct MetricTraits {
+  std::string_view title;      ///< of an axis, without the unit
+  std::string_view unit = {};  ///< empty: none
+  MetricRole role = MetricRole::diagnostic;
+  bool higher_is_better = true;
+  bool zero_or_one = false;    ///< an episode gives 0 or 1, so that the mean is a share of successes (share.h)
+  bool sums_over_row = false;  ///< sums over the steps of a row of `gust eval`, terminated or not
+  double low = std::numeric_limits<double>::quiet_NaN();  ///< what an axis shows at least; NaN: as the data are
+  double high = std::numeric_limits<double>::quiet_NaN();
+  int lead = 0;  ///< its place among the metrics that a study leads with unless it names others; 0: not among them
+};
+
 /// One number that says how an episode went, or of a quotient how all episodes of a cell went.
 class Metric {
  public:
@@ -23,12 +48,9 @@ class Metric {
   virtual double value(const Episode& episode) const = 0;
   /// What is divided, where the metric is a quotient of means; see quotient.h.
   virtual std::optional<Quotient> quotient() const = 0;
-  virtual bool higher_is_better() const = 0;
-  virtual std::string_view unit() const = 0;
+  virtual const MetricTraits& traits() const = 0;
   /// Whether a plant has what is measured; elsewhere the value says nothing.
   virtual bool applies(const PlantSpec& spec) const = 0;
-  /// Whether an episode gives 0 or 1, so that the mean is a share of successes (share.h).
-  virtual bool is_zero_or_one() const = 0;
 };
 
 /// Every metric there is, in the order of metrics/list.inc.
@@ -46,6 +68,11 @@ class MetricSet {
   const Metric& operator[](std::size_t index) const { return *made_[index].object; }
   /// The position of a name; an unknown one is an Error at the place with the nearest name.
   std::size_t index(std::string_view name, const Place& place) const;
+  /// The first one of a role; every role has one.
+  std::size_t first(MetricRole role) const;
+  const std::string& name_of(MetricRole role) const { return name(first(role)); }
+  /// What a study leads with unless it names others.
+  std::vector<std::size_t> leading() const;
   /// Those that are stored for every episode: all but the quotients, which follow from them.
   const std::vector<std::size_t>& stored() const { return stored_; }
   /// Which of them apply to a plant.

@@ -7,9 +7,8 @@
 
 namespace gust {
 
-/// The metric of a struct with `static constexpr bool kHigherIsBetter`, `static constexpr std::string_view kUnit` and
-/// `double value(const Episode&) const`, and `static constexpr bool kZeroOrOne = true` if that is 0 or 1. It is one of
-/// all plants, or of those that `static bool applies(const PlantSpec&)` names. With `static constexpr Quotient
+/// The metric of a struct with `static constexpr MetricTraits kTraits` and `double value(const Episode&) const`. It is
+/// one of all plants, or of those that `static bool applies(const PlantSpec&)` names. With `static constexpr Quotient
 /// kQuotient` it is a quotient of means.
 template <class Options>
 class OptionsMetric final : public Metric {
@@ -20,14 +19,10 @@ class OptionsMetric final : public Metric {
     if constexpr (requires { Options::kQuotient; }) return Options::kQuotient;
     return std::nullopt;
   }
-  bool higher_is_better() const override { return Options::kHigherIsBetter; }
-  std::string_view unit() const override { return Options::kUnit; }
+  const MetricTraits& traits() const override { return Options::kTraits; }
   bool applies(const PlantSpec& spec) const override {
     if constexpr (requires { Options::applies(spec); }) return Options::applies(spec);
     return true;
-  }
-  bool is_zero_or_one() const override {
-    return requires { requires Options::kZeroOrOne; };
   }
 
  private:

@@ -205,7 +205,7 @@ std::string budget_sentence(const PaperResults& results) {
 /// All that makes the policy of a map, but the number of its seeds: maps of several figures may share it.
 std::string training_of(const Study& study, const std::string& name) {
   const StudyPolicy& policy = *std::ranges::find(study.policies, name, &StudyPolicy::name);
-  std::string text = policy.agent.canonical;
+  std::string text = policy.agent.canonical();
   for (const Injection& injection : policy.disturbed) text += cat("; ", injection.canonical(), " ", injection.level);
   return text;
 }

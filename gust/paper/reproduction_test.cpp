@@ -126,7 +126,7 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   REQUIRE(reproduction.studies.size() == 13);
   CHECK(reproduction.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2});
   CHECK(reproduction.studies[0].study.policies[1].agent->steps() == 100'000);
-  CHECK(reproduction.studies[2].study.policies[4].agent.canonical.find("site = \"dynamics\"") != std::string::npos);
+  CHECK(reproduction.studies[2].study.policies[4].agent.canonical().find("site = \"dynamics\"") != std::string::npos);
   CHECK(reproduction.studies[2].study.starts[0].name == "x=0.55 theta=0.3");
   CHECK(reproduction.studies[4].study.setup.preset == "scg-default");
   CHECK(reproduction.find(1, "white") == 3);

@@ -39,7 +39,7 @@ struct Page {
   /// A score. low and high are the ends of its axis where it has natural ones; where they are not known, each panel
   /// takes its own from the data.
   struct Metric {
-    std::string name;   // as in the study: "anr"
+    std::string name;   // as in the study
     std::string title;  // as on an axis: "return / length"
     std::string help;   // one sentence
     double low = kUnknown;

@@ -25,22 +25,9 @@ std::string kind_text(const StudyPolicy& policy) {
   }
 }
 
-std::string metric_title(const std::string& name) {
-  if (name == "anr") return "return / length";
-  if (name == "anr_pooled") return "mean return / mean length";
-  if (name == "anr_h") return "return / horizon";
-  if (name == "anr_nt") return "return / horizon, not terminated";
-  std::string title = name;
-  std::ranges::replace(title, '_', ' ');
-  return title;
-}
-
-Page::Metric page_metric(const std::string& name, const Metric& metric) {
-  constexpr double kUnknown = Page::kUnknown;
-  const bool share = name.starts_with("anr") || name == "survival" || name == "saturation";
-  std::string title = metric_title(name);
-  if (!metric.unit().empty()) title += cat(" [", metric.unit(), "]");
-  return {name, title, metrics().at(name).summary, share ? 0.0 : kUnknown, share ? 1.0 : kUnknown};
+Page::Metric page_metric(const std::string& name, const MetricTraits& traits) {
+  const std::string unit = traits.unit.empty() ? "" : cat(" [", traits.unit, "]");
+  return {name, cat(traits.title, unit), metrics().at(name).summary, traits.low, traits.high};
 }
 
 /// What names a cell to `gust eval --study`.
@@ -137,9 +124,10 @@ class PageWriter {
     metrics_ = summarised_metrics(study_);
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::string& name = study_.metric_set.name(metrics_[i]);
-      page_.metrics.push_back(page_metric(name, study_.metric_set[metrics_[i]]));
-      if (name == "survival") page_.survival_metric = i;
-      if (name == "saturation") page_.saturation_metric = i;
+      const MetricTraits& traits = study_.metric_set[metrics_[i]].traits();
+      page_.metrics.push_back(page_metric(name, traits));
+      if (traits.role == MetricRole::survival) page_.survival_metric = i;
+      if (traits.role == MetricRole::saturation) page_.saturation_metric = i;
       if (metrics_[i] == summary_.margin_metric) page_.margin_metric = i;
     }
     for (const StartProtocol& start : study_.starts) {
@@ -297,7 +285,8 @@ class PageWriter {
   void learning() {
     std::vector<LearningScore> scores = {{"return / horizon", &CurvePoint::anr_h},
                                          {"RMSE of safe-control-gym", &CurvePoint::rmse_scg}};
-    if (!study_.metric_set[metrics_.front()].higher_is_better()) std::swap(scores[0], scores[1]);  // it asks for errors
+    if (!study_.metric_set[metrics_.front()].traits().higher_is_better)
+      std::swap(scores[0], scores[1]);  // it asks for errors
     page_.learning_scores.clear();
     for (const LearningScore& score : scores) {
       for (std::size_t p = 0; p < study_.policies.size(); ++p) learning(p, score.column);

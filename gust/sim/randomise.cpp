@@ -50,7 +50,7 @@ std::string Randomisation::canonical(const PlantSpec& spec) const {
   std::string text;
   for (const ParameterDraw& draw : draws) {
     text += cat(text.empty() ? "" : ", ", spec.parameters[draw.parameter].name, " = ", canonical_text(draw.offset),
-                " + ", draw.distribution.canonical);
+                " + ", draw.distribution.canonical());
   }
   return text;
 }

@@ -28,7 +28,7 @@ void check_entries(const Catalog<T>& catalog) {
       CAPTURE(field.name);
       CHECK_FALSE(field.help.empty());
     }
-    CHECK(standard(catalog, entry.name).canonical == standard(catalog, entry.name).canonical);
+    CHECK(standard(catalog, entry.name).canonical() == standard(catalog, entry.name).canonical());
     const Table unknown{{{"kind", {entry.name, {"test"}}}, {"no_such_option", {1.0, {"test"}}}}, {"test"}};
     CHECK_THROWS_AS(catalog.make(unknown), Error);
   }

@@ -2,5 +2,5 @@
 if(BUILD_TESTING AND NOT GUST_FUZZ)
   add_executable(page_fixture tests/page/make_fixture.cpp tests/page/fixture.cpp
                               tests/page/reproduction_fixture.cpp)
-  target_link_libraries(page_fixture PRIVATE gust_report)
+  target_link_libraries(page_fixture PRIVATE gust_paper)
 endif()

@@ -4,8 +4,8 @@ namespace gust {
 namespace {
 
 struct AnrH {
-  static constexpr bool kHigherIsBetter = true;
-  static constexpr std::string_view kUnit = "";
+  static constexpr MetricTraits kTraits = {
+      .title = "return / horizon", .role = MetricRole::score, .higher_is_better = true, .low = 0, .high = 1, .lead = 1};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.ended.return_sum / static_cast<double>(episode.horizon); }

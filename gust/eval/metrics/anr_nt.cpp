@@ -4,8 +4,11 @@ namespace gust {
 namespace {
 
 struct AnrNt {
-  static constexpr bool kHigherIsBetter = true;
-  static constexpr std::string_view kUnit = "";
+  static constexpr MetricTraits kTraits = {.title = "return / horizon, not terminated",
+                                           .role = MetricRole::score,
+                                           .higher_is_better = true,
+                                           .low = 0,
+                                           .high = 1};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.whole.return_sum / static_cast<double>(episode.horizon); }

@@ -4,8 +4,8 @@ namespace gust {
 namespace {
 
 struct AnrPooled {
-  static constexpr bool kHigherIsBetter = true;
-  static constexpr std::string_view kUnit = "";
+  static constexpr MetricTraits kTraits = {
+      .title = "mean return / mean length", .role = MetricRole::score, .higher_is_better = true, .low = 0, .high = 1};
   static constexpr Quotient kQuotient = {"return_sum", "length"};
   static constexpr std::tuple<> kFields = {};
 

@@ -4,9 +4,8 @@ namespace gust {
 namespace {
 
 struct GroundContact {
-  static constexpr bool kHigherIsBetter = false;
-  static constexpr std::string_view kUnit = "";
-  static constexpr bool kZeroOrOne = true;
+  static constexpr MetricTraits kTraits = {
+      .title = "ground contact", .role = MetricRole::diagnostic, .higher_is_better = false, .zero_or_one = true};
   static constexpr std::tuple<> kFields = {};
 
   static bool applies(const PlantSpec& spec) { return spec.contact.has_value(); }

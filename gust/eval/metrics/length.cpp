@@ -4,8 +4,11 @@ namespace gust {
 namespace {
 
 struct Length {
-  static constexpr bool kHigherIsBetter = true;
-  static constexpr std::string_view kUnit = "control steps";
+  static constexpr MetricTraits kTraits = {.title = "length",
+                                           .unit = "control steps",
+                                           .role = MetricRole::length,
+                                           .higher_is_better = true,
+                                           .sums_over_row = true};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return steps_of(episode.ended); }

@@ -4,8 +4,8 @@ namespace gust {
 namespace {
 
 struct MaxAbsTheta {
-  static constexpr bool kHigherIsBetter = false;
-  static constexpr std::string_view kUnit = "rad";
+  static constexpr MetricTraits kTraits = {
+      .title = "max abs theta", .unit = "rad", .role = MetricRole::diagnostic, .higher_is_better = false};
   static constexpr std::tuple<> kFields = {};
 
   static bool applies(const PlantSpec& spec) { return has_state(spec, spec.angle, "theta"); }

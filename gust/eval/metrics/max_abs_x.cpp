@@ -4,8 +4,8 @@ namespace gust {
 namespace {
 
 struct MaxAbsX {
-  static constexpr bool kHigherIsBetter = false;
-  static constexpr std::string_view kUnit = "m";
+  static constexpr MetricTraits kTraits = {
+      .title = "max abs x", .unit = "m", .role = MetricRole::diagnostic, .higher_is_better = false};
   static constexpr std::tuple<> kFields = {};
 
   static bool applies(const PlantSpec& spec) { return has_state(spec, 0, "x"); }

@@ -4,8 +4,8 @@ namespace gust {
 namespace {
 
 struct ReturnSum {
-  static constexpr bool kHigherIsBetter = true;
-  static constexpr std::string_view kUnit = "";
+  static constexpr MetricTraits kTraits = {
+      .title = "return sum", .role = MetricRole::score, .higher_is_better = true, .sums_over_row = true};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.ended.return_sum; }

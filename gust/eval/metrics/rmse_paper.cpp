@@ -4,8 +4,12 @@ namespace gust {
 namespace {
 
 struct RmsePaper {
-  static constexpr bool kHigherIsBetter = false;
-  static constexpr std::string_view kUnit = "mixed";
+  static constexpr MetricTraits kTraits = {.title = "rmse paper",
+                                           .unit = "mixed",
+                                           .role = MetricRole::error,
+                                           .higher_is_better = false,
+                                           .sums_over_row = true,
+                                           .lead = 4};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return rmse_all(episode.whole); }

@@ -4,8 +4,11 @@ namespace gust {
 namespace {
 
 struct RmseScg {
-  static constexpr bool kHigherIsBetter = false;
-  static constexpr std::string_view kUnit = "mixed";
+  static constexpr MetricTraits kTraits = {.title = "rmse scg",
+                                           .unit = "mixed",
+                                           .role = MetricRole::error,
+                                           .higher_is_better = false,
+                                           .sums_over_row = true};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return rmse_masked(episode.ended); }

@@ -4,8 +4,8 @@ namespace gust {
 namespace {
 
 struct Saturation {
-  static constexpr bool kHigherIsBetter = false;
-  static constexpr std::string_view kUnit = "";
+  static constexpr MetricTraits kTraits = {
+      .title = "saturation", .role = MetricRole::saturation, .higher_is_better = false, .low = 0, .high = 1};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const {

@@ -4,8 +4,11 @@ namespace gust {
 namespace {
 
 struct SquaredStateSum {
-  static constexpr bool kHigherIsBetter = false;
-  static constexpr std::string_view kUnit = "mixed";
+  static constexpr MetricTraits kTraits = {.title = "squared state sum",
+                                           .unit = "mixed",
+                                           .role = MetricRole::error,
+                                           .higher_is_better = false,
+                                           .sums_over_row = true};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.ended.squared_state; }

@@ -4,9 +4,13 @@ namespace gust {
 namespace {
 
 struct Survival {
-  static constexpr bool kHigherIsBetter = true;
-  static constexpr std::string_view kUnit = "";
-  static constexpr bool kZeroOrOne = true;
+  static constexpr MetricTraits kTraits = {.title = "survival",
+                                           .role = MetricRole::survival,
+                                           .higher_is_better = true,
+                                           .zero_or_one = true,
+                                           .low = 0,
+                                           .high = 1,
+                                           .lead = 3};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.failed ? 0.0 : 1.0; }

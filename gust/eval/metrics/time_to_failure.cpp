@@ -4,8 +4,8 @@ namespace gust {
 namespace {
 
 struct TimeToFailure {
-  static constexpr bool kHigherIsBetter = true;
-  static constexpr std::string_view kUnit = "s";
+  static constexpr MetricTraits kTraits = {
+      .title = "time to failure", .unit = "s", .role = MetricRole::failure_time, .higher_is_better = true};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return static_cast<double>(episode.safe_steps) / episode.control_rate; }

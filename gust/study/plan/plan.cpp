@@ -30,7 +30,7 @@ std::string common_text(const std::string& preset, const std::string& plant, con
 }
 
 std::string common_text(const Study& study) {
-  return common_text(study.setup.preset, study.setup.plant.canonical, study.setup.readings);
+  return common_text(study.setup.preset, study.setup.plant.canonical(), study.setup.readings);
 }
 
 /// Whether commands clipped to the policy's box are those that the actuator would clip anyway.
@@ -50,14 +50,12 @@ bool box_is_actuator(const PlantSpec& spec) {
 std::string training_text(const Study& study, const StudyPolicy& policy) {
   if (!policy.disturbed.empty() || policy.agent->disturbs()) return common_text(study);
   Readings readings = study.setup.readings;
-  std::string plant = study.setup.plant.canonical;
-  const std::string pulled = cat("tap_point = \"", readings.tap_point, "\"");
+  Made<Plant> plant = study.setup.plant;
   readings.tap_point = Readings{}.tap_point;
-  if (const std::size_t at = plant.find(pulled); at != std::string::npos)
-    plant.replace(at, pulled.size(), cat("tap_point = \"", readings.tap_point, "\""));
+  plant.options = plant.options.with("tap_point", canonical_text(readings.tap_point));
   if (readings.effort != "disturbed" && box_is_actuator(study.setup.plant->spec()))
     readings.saturate = Readings{}.saturate;
-  return common_text(study.setup.preset, plant, readings);
+  return common_text(study.setup.preset, plant.canonical(), readings);
 }
 
 std::string injections_text(const std::vector<Injection>& injections) {
@@ -126,7 +124,7 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
   const StudyPolicy& trained = study.policies[policy];
   Trial trial{.kind = Trial::Kind::kTrain, .policy = policy, .member = member};
   trial.canonical =
-      cat("train v", kTrainVersion, "\n", training_text(study, trained), "agent ", trained.agent.canonical, "\n",
+      cat("train v", kTrainVersion, "\n", training_text(study, trained), "agent ", trained.agent.canonical(), "\n",
           injections_text(trained.disturbed), randomised_text(study, trained),
           trained.curve_as_trained ? "curve training\n" : "", "seed ", trained.seeds[member], "\n");
   trial.what = cat("train ", member_label(trained, member));

@@ -11,15 +11,10 @@ namespace {
 
 /// A column of curve.csv by its name.
 double CurvePoint::*curve_column(const std::string& name) {
-  const std::pair<const char*, double CurvePoint::*> columns[] = {{"anr_h", &CurvePoint::anr_h},
-                                                                  {"anr", &CurvePoint::anr},
-                                                                  {"rmse_scg", &CurvePoint::rmse_scg},
-                                                                  {"return_mean", &CurvePoint::return_mean},
-                                                                  {"length_mean", &CurvePoint::length_mean}};
   std::vector<std::string> known;
-  for (const auto& [known_name, column] : columns) {
-    if (name == known_name) return column;
-    known.emplace_back(known_name);
+  for (const CurveColumn& column : kCurveColumns) {
+    if (name == column.name) return column.value;
+    known.emplace_back(column.name);
   }
   throw Error(cat("a learning curve has no '", name, "'", did_you_mean(name, known), "; it has ", join(known, ", ")));
 }
@@ -28,7 +23,8 @@ double CurvePoint::*curve_column(const std::string& name) {
 
 FormulaValue ClaimScores::curve(std::string_view function, const Arguments& arguments) const {
   check_count(function, arguments, 2);
-  const auto column = curve_column(arguments.size() == 2 ? arguments[1].as_text(cat("'", function, "'")) : "anr_h");
+  const auto column =
+      arguments.size() == 2 ? curve_column(arguments[1].as_text(cat("'", function, "'"))) : &CurvePoint::anr_h;
   const Place place = find({arguments[0]}, function);
   count_seeds(place);
   const std::vector<std::vector<CurvePoint>> seeds = curves(place);

@@ -50,9 +50,7 @@ FormulaList listed(const std::vector<double>& axis, std::span<const Sampled> val
 /// a risk level is chosen when the policy acts.
 std::string seeds_key(const Study& study, const StudyPolicy& policy) {
   if (policy.kind != StudyPolicy::Kind::kTrain) return policy.name;
-  std::string key = policy.agent.canonical;
-  const std::size_t steps = key.find("steps = ");
-  if (steps != std::string::npos) key.erase(steps, key.find_first_of(",)", steps) - steps);
+  std::string key = cat(policy.agent.kind, " ", policy.agent.options.without("steps").text());
   for (const Injection& injection : policy.disturbed)
     key += cat("; ", injection.canonical(), " ", canonical_text(injection.level));
   return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()),
@@ -279,7 +277,8 @@ void ClaimScores::add_margin(const Place& place, const std::string& metric, Form
   if (!curve.no_margin.empty() || place.source->store == nullptr) return;
   const Place nominal{place.source, place.policy, Trial::kNominal};
   try {
-    curve.no_margin = survival_obstacle(cells(nominal, "survival").front().estimate());
+    const std::string& survival = place.source->study->metric_set.name_of(MetricRole::survival);
+    curve.no_margin = survival_obstacle(cells(nominal, survival).front().estimate());
     Sampled undisturbed = cells(nominal, metric).front();
     if (undisturbed.n < 2) undisturbed = Sampled::constant(undisturbed.estimate());  // one episode, from a fixed start
     curve.undisturbed = std::move(undisturbed);
@@ -322,7 +321,7 @@ void ClaimScores::add_levels(const Place& place, const std::string& metric, Form
 
 std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::string& metric) const {
   const Study& study = *place.source->study;
-  const bool is_share = study.metric_set[study.metric_set.index(metric, {"score"})].is_zero_or_one();
+  const bool is_share = study.metric_set[study.metric_set.index(metric, {"score"})].traits().zero_or_one;
   const std::size_t start = index_of(study.starts, view_.start);
   if (start == study.starts.size()) throw Error(cat("the study '", study.name, "' has no start '", view_.start, "'"));
   if (place.source->store == nullptr) {

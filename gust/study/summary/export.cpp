@@ -38,7 +38,7 @@ ExportRow head_of(const Study& study, const Trial& trial) {
   if (const std::optional<Injection>& injection = sweep.injection) {
     row.site = site_name(injection->site);
     row.channels = channels_text(*injection, spec);
-    row.waveform = injection->waveform.canonical;
+    row.waveform = injection->waveform.canonical();
     row.window = cat(injection->start, ":", std::min(injection->end, spec.steps));
   }
   if (!sweep.along_levels()) {
@@ -170,7 +170,9 @@ class Database {
 };
 
 void insert_learning(Database& database, const Study& study, const Plan& plan, const Store& store) {
-  database.prepare("INSERT INTO learning VALUES (?,?,?,?,?,?,?,?,?,?)");
+  std::string places = "?,?,?,?";
+  for (std::size_t i = 0; i < std::size(kCurveColumns); ++i) places += ",?";
+  database.prepare(cat("INSERT INTO learning VALUES (", places, ")").c_str());
   for (const Trial& trial : plan.trials) {
     if (trial.kind != Trial::Kind::kTrain) continue;
     const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
@@ -179,10 +181,9 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
       database.bind(1, study.policies[trial.policy].name);
       database.bind(2, study.policies[trial.policy].seeds[trial.member]);
       database.bind(3, point.steps);
-      const double values[] = {point.return_mean, point.return_std, point.length_mean,
-                               point.anr,         point.anr_h,      point.rmse_scg};
-      for (int i = 0; i < 6; ++i) database.bind(4 + i, values[i]);
-      database.bind(10, point.protagonist_steps);
+      int column = 3;
+      for (const CurveColumn& of_curve : kCurveColumns) database.bind(++column, point.*of_curve.value);
+      database.bind(++column, point.protagonist_steps);
       database.insert();
     }
   }
@@ -228,9 +229,10 @@ std::vector<std::size_t> export_sqlite(const Study& study, const Plan& plan, con
         "CREATE TABLE episodes (plant TEXT, preset TEXT, readings TEXT, policy TEXT, seed TEXT, sweep TEXT, "
         "site TEXT, channels TEXT, waveform TEXT, \"window\" TEXT, vary TEXT, level_2 REAL, level REAL, start TEXT, "
         "episode INTEGER, metric TEXT, value REAL)");
-    database.execute(
-        "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, return_mean REAL, return_std REAL, "
-        "length_mean REAL, anr REAL, anr_h REAL, rmse_scg REAL, protagonist_steps INTEGER)");
+    std::string columns;
+    for (const CurveColumn& column : kCurveColumns) columns += cat(column.name, " REAL, ");
+    const std::string head = "CREATE TABLE learning (policy TEXT, seed INTEGER, steps INTEGER, ";
+    database.execute(cat(head, columns, "protagonist_steps INTEGER)").c_str());
     database.execute("CREATE TABLE missing (trial TEXT)");
     database.prepare("INSERT INTO episodes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     missing = for_each_export_row(study, plan, store, [&](const ExportRow& row) {

@@ -248,18 +248,6 @@ class CellReader {
   Summary& summary_;
 };
 
-// The columns of curves_csv after policy and seed.
-struct CurveColumn {
-  const char* name;
-  double CurvePoint::*value;
-};
-constexpr CurveColumn kCurveColumns[] = {{"return_mean", &CurvePoint::return_mean},
-                                         {"return_std", &CurvePoint::return_std},
-                                         {"length_mean", &CurvePoint::length_mean},
-                                         {"anr", &CurvePoint::anr},
-                                         {"anr_h", &CurvePoint::anr_h},
-                                         {"rmse_scg", &CurvePoint::rmse_scg}};
-
 }  // namespace
 
 std::string cells_csv(const Study& study, const Summary& summary) {

@@ -32,7 +32,7 @@ class Summariser {
         store_(store),
         metrics_(summarised_metrics(study)),
         margin_metric_(margin_metric),
-        survival_(study.metric_set.index("survival", {})),
+        survival_(study.metric_set.first(MetricRole::survival)),
         bands_(resampling_stream(study), kBandResamples),
         margins_(resampling_stream(study), kMarginResamples) {}
 
@@ -168,7 +168,7 @@ class Summariser {
   }
 
   Interval measure(const Matrix<double>& values, std::size_t metric, Bootstrap& bootstrap) const {
-    if (study_.metric_set[metric].is_zero_or_one()) return share_interval(values.view(), bootstrap);
+    if (study_.metric_set[metric].traits().zero_or_one) return share_interval(values.view(), bootstrap);
     return interval(values.view(), Statistic::mean, bootstrap);
   }
 
@@ -232,8 +232,8 @@ void Series::add_level(double level, const std::vector<Estimate>& estimates) {
 
 std::vector<std::size_t> summarised_metrics(const Study& study) {
   std::vector<std::size_t> metrics = study.metrics;
-  const std::size_t more[] = {study.metric_set.index("survival", {}), study.metric_set.index("saturation", {}),
-                              margin_metric(study)};
+  const std::size_t more[] = {study.metric_set.first(MetricRole::survival),
+                              study.metric_set.first(MetricRole::saturation), margin_metric(study)};
   for (const std::size_t metric : more) {
     if (std::ranges::find(metrics, metric) == metrics.end()) metrics.push_back(metric);
   }

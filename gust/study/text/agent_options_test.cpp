@@ -91,14 +91,14 @@ TEST_CASE("the profile scg-2022 of an agent is what it does by itself, but for i
       options.set("actor_trunk", {std::string("scg"), {}});
       options.set("density", {std::string("tanh"), {}});
     }
-    const std::string standard = agent.make(options).canonical;
+    const std::string standard = agent.make(options).canonical();
 
-    CHECK(agent.make(agent_profile(name, "cartpole", "scg-2022")).canonical == standard);
-    CHECK(agent.make(agent_profile(name, "cartpole", "scg-default")).canonical == standard);
+    CHECK(agent.make(agent_profile(name, "cartpole", "scg-2022")).canonical() == standard);
+    CHECK(agent.make(agent_profile(name, "cartpole", "scg-default")).canonical() == standard);
   }
   const Entry<Agent>& ppo = agents().at("ppo");
-  const std::string standard = ppo.make(Table{}).canonical;
-  CHECK(ppo.make(agent_profile("ppo", "cartpole", "modern")).canonical != standard);
+  const std::string standard = ppo.make(Table{}).canonical();
+  CHECK(ppo.make(agent_profile("ppo", "cartpole", "modern")).canonical() != standard);
 }
 
 TEST_CASE("a memory that the machine cannot hold is an error with the bytes") {

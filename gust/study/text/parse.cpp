@@ -144,7 +144,7 @@ void parse_head(const Table& table, Study& study) {
 /// "dynamics step(offset = 2) on fx in steps 25:50 at 0.2": all that makes it another one.
 std::string injection_text(const Injection& injection, const PlantSpec& spec) {
   const bool all = std::ranges::all_of(injection.factors, [](double factor) { return factor == 1; });
-  const std::string& waveform = injection.waveform.canonical;
+  const std::string& waveform = injection.waveform.canonical();
   const std::string shape = waveform.ends_with("()") ? injection.waveform.kind : waveform;
   const std::int64_t end = std::min(injection.end, spec.steps);
   const bool whole = injection.start == 0 && end == spec.steps;
@@ -208,9 +208,10 @@ std::vector<std::size_t> starts_to_tell(const Study& study, std::string_view fir
 
 std::size_t margin_metric(const Study& study) {
   for (const std::size_t metric : study.metrics) {
-    if (study.metric_set[metric].higher_is_better() && study.metric_set.name(metric) != "survival") return metric;
+    const MetricTraits& traits = study.metric_set[metric].traits();
+    if (traits.higher_is_better && traits.role != MetricRole::survival) return metric;
   }
-  return study.metric_set.index("anr_h", {});
+  return study.metric_set.leading().front();
 }
 
 const std::string& required_text(const Table& table, std::string_view key, std::string_view what) {
@@ -268,8 +269,7 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
   parse_head(table, study);
   const PlantSpec& spec = study.setup.plant->spec();
   study.starts = {nominal_start(spec), random_starts()};
-  for (const char* metric : {"anr_h", "anr", "survival", "rmse_paper"})
-    study.metrics.push_back(study.metric_set.index(metric, {}));
+  study.metrics = study.metric_set.leading();
   if (const Value* evaluate = table.find("evaluate")) parse_evaluate(evaluate->as_table("evaluate"), study);
   for (const StartProtocol& start : study.starts) {  // those of the study are checked: the plant's own
     if (const std::string complaint = start_complaint(start, spec); !complaint.empty())

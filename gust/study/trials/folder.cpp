@@ -39,7 +39,7 @@ struct KeptInputs {
 
 /// What a study says of the plant and its readings, with all defaults.
 std::string readings_text(const Study& study) {
-  return cat(study.setup.plant.canonical, "; ", canonical_fields(study.setup.readings));
+  return cat(study.setup.plant.canonical(), "; ", canonical_fields(study.setup.readings));
 }
 
 /// The same object with the hash of its content.

@@ -12,12 +12,12 @@ std::string told(const StudyPolicy& policy, std::size_t member, std::string_view
 }
 
 /// How many of the undisturbed episodes failed within a second, and of how many.
-std::string at_once_text(const StoredTrial& stored, const std::string& name) {
+std::string at_once_text(const MetricSet& metrics, const StoredTrial& stored, const std::string& name) {
   std::ifstream stream = stored.open(kRowsFile);
   RowsReader rows(stream, name);
   const RowsHeader header = rows.header();
-  const std::optional<std::size_t> time = header.column("time_to_failure");
-  const std::optional<std::size_t> survival = header.column("survival");
+  const std::optional<std::size_t> time = header.column(metrics.name_of(MetricRole::failure_time));
+  const std::optional<std::size_t> survival = header.column(metrics.name_of(MetricRole::survival));
   if (!time || !survival) return {};
   const std::span<const double> cell = rows.next();
   std::size_t early = 0;
@@ -53,7 +53,7 @@ std::vector<std::string> policy_notes(const Study& study, const Plan& plan, cons
     if (trial.kind != Trial::Kind::kEvaluate || !undisturbed || !study.policies[trial.policy].foreign) continue;
     if (told_of[trial.policy]) continue;
     const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
-    const std::string failure = stored ? at_once_text(*stored, trial.id) : std::string();
+    const std::string failure = stored ? at_once_text(study.metric_set, *stored, trial.id) : std::string();
     if (!failure.empty()) tell_of(trial, failure + interface_hint(study.setup.plant->spec()));
   }
   return notes;

@@ -10,8 +10,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kCurveHead = "steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg,protagonist_steps";
-constexpr std::string_view kOldCurveHead = "steps,return_mean,return_std,length_mean,anr,anr_h,rmse_scg";
+/// The head of a curve's file; earlier versions left its last column out.
+std::string curve_head(bool old) {
+  std::string head = "steps";
+  for (const CurveColumn& column : kCurveColumns) head += cat(",", column.name);
+  return old ? head : cat(head, ",protagonist_steps");
+}
 
 Json matrix_json(const Matrix<double>& matrix) {
   Json rows = Json::array();
@@ -60,10 +64,11 @@ double number_from_text(std::string_view text, std::string_view name) {
 }
 
 std::string curve_text(const std::vector<CurvePoint>& curve) {
-  std::string text = cat(kCurveHead, "\n");
-  for (const CurvePoint& p : curve) {
-    text += cat(p.steps, ",", p.return_mean, ",", p.return_std, ",", p.length_mean, ",", p.anr, ",", p.anr_h, ",",
-                p.rmse_scg, ",", p.protagonist_steps, "\n");
+  std::string text = cat(curve_head(false), "\n");
+  for (const CurvePoint& point : curve) {
+    text += cat(point.steps);
+    for (const CurveColumn& column : kCurveColumns) text += cat(",", point.*column.value);
+    text += cat(",", point.protagonist_steps, "\n");
   }
   return text;
 }
@@ -71,11 +76,11 @@ std::string curve_text(const std::vector<CurvePoint>& curve) {
 std::vector<CurvePoint> read_curve(std::string_view text, std::string_view name) {
   std::vector<CurvePoint> curve;
   const std::vector<std::string> lines = split_text(text, '\n');
-  const bool old = !lines.empty() && lines.front() == kOldCurveHead;  // every step was the protagonist's
-  if (lines.empty() || (lines.front() != kCurveHead && !old)) throw Error(cat(name, ":1: no learning curve"));
+  const bool old = !lines.empty() && lines.front() == curve_head(true);  // every step was the protagonist's
+  if (lines.empty() || (lines.front() != curve_head(false) && !old)) throw Error(cat(name, ":1: no learning curve"));
   for (std::size_t i = 1; i < lines.size(); ++i) {
-    double values[8] = {};
-    const std::size_t columns = old ? 7 : 8;
+    double values[std::size(kCurveColumns) + 2] = {};
+    const std::size_t columns = std::size(values) - (old ? 1 : 0);
     const std::vector<std::string> cells = split_text(lines[i], ',');
     bool good = cells.size() == columns;
     for (std::size_t c = 0; good && c < cells.size(); ++c) {
@@ -83,8 +88,11 @@ std::vector<CurvePoint> read_curve(std::string_view text, std::string_view name)
       good = std::from_chars(cells[c].data(), end, values[c]).ptr == end;
     }
     if (!good) throw Error(cat(name, ":", i + 1, ": not ", columns, " numbers"));
-    curve.push_back({static_cast<std::int64_t>(values[0]), values[1], values[2], values[3], values[4], values[5],
-                     values[6], static_cast<std::int64_t>(old ? values[0] : values[7])});
+    CurvePoint point;
+    point.steps = static_cast<std::int64_t>(values[0]);
+    for (std::size_t c = 0; c < std::size(kCurveColumns); ++c) point.*kCurveColumns[c].value = values[c + 1];
+    point.protagonist_steps = static_cast<std::int64_t>(old ? values[0] : values[columns - 1]);
+    curve.push_back(point);
   }
   return curve;
 }

@@ -108,7 +108,7 @@ Outcome run_evaluate(const Study& study, const Plan& plan, const Trial& trial, c
   OutputFile& file = writer.file(kRowsFile);
   RowsWriter rows(rows_header(study, evaluation.cells.size()), [&](std::string_view bytes) { file.append(bytes); });
   CellCollector collector(study, evaluation, rows);
-  TraceChoice choice(study.traces, study.metric_set[study.metrics.front()].higher_is_better());
+  TraceChoice choice(study.traces, study.metric_set[study.metrics.front()].traits().higher_is_better);
   std::optional<NotFiniteAction> not_finite;
   try {
     evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
