@@ -16,7 +16,7 @@ gust_check("every file is formatted" LABEL style SECONDS 60 COMMAND scripts/chec
 gust_check("every include follows the layers" LABEL style SECONDS 60 COMMAND scripts/check-layers)
 gust_check("files, functions and subjects of commits are short" LABEL style SECONDS 60 COMMAND scripts/check-sizes)
 gust_check("every citation points to a section" LABEL style SECONDS 60 COMMAND scripts/check-citations)
-gust_check("documents are in plain words" LABEL style SECONDS 60 COMMAND scripts/check-words)
+gust_check("documents and messages are in plain words" LABEL style SECONDS 60 COMMAND scripts/check-words)
 list(TRANSFORM programs REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE program_files)
 gust_check("every oracle has a test" LABEL style SECONDS 60 COMMAND scripts/check-oracles ${program_files})
 if(TARGET gust)
