@@ -70,15 +70,17 @@ function(gust_test_suite name)
 endfunction()
 
 # gust_benchmarks(): one program for each bench/*.cpp, in BUILD/bench; built by the target `benchmarks`, and by all in a full
-# check, which runs each for one iteration.
+# check, which runs each for one iteration and therefore needs the library.
 function(gust_benchmarks)
-  find_package(benchmark QUIET)
-  if(NOT benchmark_FOUND)
-    return()
-  endif()
   set(in_all "")
+  set(required "")
   if(GUST_FULL_CHECK)
     set(in_all ALL)
+    set(required REQUIRED)
+  endif()
+  find_package(benchmark QUIET ${required})
+  if(NOT benchmark_FOUND)
+    return()
   endif()
   add_custom_target(benchmarks ${in_all})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/bench/*.cpp)

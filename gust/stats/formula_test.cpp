@@ -225,6 +225,9 @@ TEST_CASE("a margin beyond the levels is a bound: it decides what it can, and el
     CAPTURE(text);
     CHECK(ruling_name(judged(along(text)).verdict.ruling) == ruling_name(ruling));
   }
+}
+
+TEST_CASE("a claim that a bound leaves open says where the levels end") {
   CHECK(judged(along("margin(flat) >= 5")).verdict.reason == "≥ 3 [≥ 3]; the levels end at 3");
   CHECK(measured_text(judged(along("margin(flat) >= 2"))) == "≥ 3 [≥ 3]");
   CHECK(judged(along("margin(flat) - margin(long) > 0")).verdict.ruling == Ruling::not_testable);
