@@ -83,7 +83,7 @@ def shortened(command):
     if command.startswith("gust run studies/a"):  # every agent, for minutes or hours: here it is enough that it would run
         return command.replace("gust run", "gust plan", 1)
     if command.startswith("gust reproduce"):  # hours; the figure without trainings takes a moment
-        return re.sub(r" --only [\w-]+", "", command) + " --only disturbances"
+        return re.sub(r" --(only|claim) [\w-]+", "", command) + " --only disturbances"
     added = next((words for start, words in SHORT.items() if command.startswith(f"gust {start}")), "")
     if "--steps" in added:
         command = re.sub(r" --steps \w+", "", command)
