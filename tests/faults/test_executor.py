@@ -5,10 +5,8 @@ import time
 from process_executor import ProcessExecutor
 from runs import Runs, ended, leftovers
 
-STEPS = 400_000  # about two seconds of training
 
-
-def studied(folder, steps=STEPS):
+def studied(folder, steps):
     """A study with trainings, searches, evaluations and margins."""
     runs = Runs(folder, steps)
     text = runs.study.read_text()
@@ -16,12 +14,12 @@ def studied(folder, steps=STEPS):
     return runs
 
 
-def kill_at_checkpoint(store, kinds=("train",)):
+def kill_at_checkpoint(store):
     """Kills the first process of a training as soon as it has left a checkpoint."""
     kept = []
 
     def begun(trial, process):
-        if trial["kind"] not in kinds or kept:
+        if trial["kind"] != "train" or kept:
             return
         kept.append(trial["id"])
         checkpoint = store / "checkpoints" / trial["id"]
@@ -52,23 +50,28 @@ def test_processes_leave_what_threads_leave_though_one_is_killed(tmp_path):
     assert leftovers(out) == []
 
 
-def test_a_killed_trial_goes_on_from_its_checkpoint(tmp_path):
+def test_a_killed_trial_goes_on_from_its_checkpoint_and_a_stopped_one_exits_with_75(tmp_path):
     runs = studied(tmp_path, steps=100_000_000)
-    out = tmp_path / "out"
-    executor = ProcessExecutor(tmp_path, runs.study, out)
-    training = executor.plan("--prepare")[0]
-    checkpoint = out / "store/checkpoints" / training["id"]
-    for _ in range(2):
-        process = runs.begin("trial", out, training["id"])
-        if not checkpoint.exists():
-            kill_at_checkpoint(out / "store")(training, process)
-            kept = checkpoint.read_bytes()
-        else:
-            time.sleep(0.5)  # too short for another checkpoint, so the old one must have been read, not removed
-            process.kill()
-        process.communicate(timeout=60)
+    sizes = {}
 
-    assert checkpoint.read_bytes() == kept
+    for out, kill in (("killed", True), ("fresh", False)):
+        training = ProcessExecutor(tmp_path, runs.study, out).plan("--prepare")[0]
+        checkpoint = tmp_path / out / "store/checkpoints" / training["id"]
+        if kill:
+            process = runs.begin("trial", out, training["id"])
+            kill_at_checkpoint(tmp_path / out / "store")(training, process)
+            process.communicate(timeout=60)
+            sizes["before"] = checkpoint.stat().st_size
+        process = runs.begin("trial", out, training["id"])
+        while not list((tmp_path / out / "store/aside").glob(f"{process.pid}-*.lock")):
+            assert process.poll() is None
+            time.sleep(0.002)
+        process.terminate()
+        assert "the same command goes on from here" in ended(process, code=75)
+        sizes[out] = checkpoint.stat().st_size
+
+    # A checkpoint holds the learning curve, which grows: what began anew has less of it.
+    assert sizes["killed"] >= sizes["before"] > sizes["fresh"]
 
 
 def test_two_processes_on_one_trial_leave_one(tmp_path):
@@ -88,7 +91,7 @@ def test_two_processes_on_one_trial_leave_one(tmp_path):
 
 def test_a_training_that_fails_is_told_with_what_needs_it(tmp_path):
     runs = studied(tmp_path, steps=2000)
-    text = runs.study.read_text().replace('profile = "scg-2022"', 'profile = "scg-2022", actor_learning_rate = 1e300')
+    text = runs.study.read_text().replace('profile = "scg-2022"', 'profile = "scg-2022", actor_rate = 1e300')
     runs.study.write_text(text)
     out = tmp_path / "out"
     executor = ProcessExecutor(tmp_path, runs.study, out)
