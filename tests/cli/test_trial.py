@@ -114,6 +114,17 @@ def test_a_trial_without_what_it_needs_is_skipped_and_the_others_run(gust, prepa
     assert states == {lacking["id"]: "skipped", other["id"]: "done"}
 
 
+def test_a_trial_whose_input_is_damaged_is_skipped_until_that_is_run_again(gust, tmp_path, prepared):
+    training, evaluation = trial(prepared, "train"), trial(prepared, "evaluate", "ppo seed 1 · white")
+    gust("trial", "single.gust", training["id"])
+    (tmp_path / "single.gust/store/train" / training["id"] / "policy.onnx").write_bytes(b"")
+
+    done = gust("trial", "single.gust", evaluation["id"], code=1)
+
+    assert "damaged" in done.stderr and f"input missing: train ppo seed 1 ({training['id']})" in done.stderr
+    gust("trial", "single.gust", evaluation["id"], training["id"])
+
+
 def test_an_unknown_id_is_refused_before_the_others_run(gust, prepared):
     training = trial(prepared, "train")
     wrong = training["id"][:-1] + ("0" if training["id"][-1] != "0" else "1")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "gust/store/checkpoint.h"
 #include "gust/study/plan/timings.h"
@@ -47,13 +48,13 @@ class MissingTrials {
   void add(const PlannedTrial& at, const Store& store) {
     const Trial& trial = at.trial();
     if (job_of_.contains(trial.id)) return;
-    if (load_trial(*at.plan, trial, store, CheckDepth::whole) || training_failure(*at.plan, trial, store)) return;
+    if (is_stored(*at.plan, trial, store) || training_failure(*at.plan, trial, store)) return;
     Job job{trial.id, std::string(kind_name(trial.kind)), trial.what, trial.seconds, {}};
     for (const std::size_t index : trial.inputs) {
       const Trial& input = at.plan->trials[index];
       if (const auto needed = job_of_.find(input.id); needed != job_of_.end()) {
         job.needs.push_back(needed->second);
-      } else if (!store.has(kind_name(input.kind), input.id)) {
+      } else if (!stored_.contains(input.id) && !is_stored(*at.plan, input, store)) {
         lacks_[trial.id] = &input;
         return;
       }
@@ -63,9 +64,16 @@ class MissingTrials {
     trials_.push_back(at);
   }
 
+  bool is_stored(const Plan& plan, const Trial& trial, const Store& store) {
+    const bool stored = load_trial(plan, trial, store, CheckDepth::whole).has_value();
+    if (stored) stored_.insert(trial.id);
+    return stored;
+  }
+
   std::vector<Job> jobs_;
   std::vector<PlannedTrial> trials_;           ///< which one each job is
   std::map<std::string, std::size_t> job_of_;  ///< by the trial's id
+  std::set<std::string> stored_;               ///< ids of those that were found whole
   std::map<std::string, const Trial*> lacks_;  ///< by the trial's id: an input that nobody makes
 };
 

@@ -25,7 +25,7 @@ StudyFolder prepared(const std::filesystem::path& path) {
   return folder;
 }
 
-/// The places of a trial's id in a plan; one that has it not is our mistake.
+/// The trial of an id.
 PlannedTrial find(const Study& study, const Plan& plan, const std::string& id) {
   for (std::size_t i = 0; i < plan.trials.size(); ++i) {
     if (plan.trials[i].id == id) return {&study, &plan, i};
