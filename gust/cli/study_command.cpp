@@ -109,6 +109,10 @@ std::size_t thread_count(std::size_t asked) {
   return std::max(1u, std::thread::hardware_concurrency());
 }
 
+std::string complaint(const Trial& trial, const Outcome& outcome) {
+  return cat(trial.what, outcome.state == Outcome::State::skipped ? " was skipped: " : " failed: ", outcome.reason);
+}
+
 std::vector<std::string> complaints(std::span<const RunOutcome> outcomes) {
   struct Complaint {
     std::string line;
@@ -121,9 +125,7 @@ std::vector<std::string> complaints(std::span<const RunOutcome> outcomes) {
       const auto [at, is_new] = by_trial.try_emplace(outcome.plan.trials[trial].id);
       if (!is_new) return at->second;
       order.push_back(at->first);
-      const Outcome& result = outcome.outcomes[trial];
-      at->second.line = cat(outcome.plan.trials[trial].what,
-                            result.state == Outcome::State::skipped ? " was skipped: " : " failed: ", result.reason);
+      at->second.line = complaint(outcome.plan.trials[trial], outcome.outcomes[trial]);
       return at->second;
     };
     for (std::size_t i = 0; i < outcome.outcomes.size(); ++i) {

@@ -19,6 +19,8 @@ struct OpenStudy {
 /// Opens the folder that `gust run` left; notices about damaged trials go to stderr.
 OpenStudy open_study(const std::string& path);
 
+/// Why a trial that failed or was skipped did so, in one line.
+std::string complaint(const Trial& trial, const Outcome& outcome);
 /// One line for each trial that did not end well; those that were skipped for want of another are counted with that
 /// one.
 std::vector<std::string> complaints(std::span<const RunOutcome> outcomes);

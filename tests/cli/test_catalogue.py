@@ -23,7 +23,7 @@ def test_list_names_every_kind(gust):
             "scg_periodic"} <= set(names(gust, "waveforms"))
     assert names(gust, "preset") == ["scg-2022", "scg-default", "modern", "wcpg", "wcpg-fixed", "raac", "raac-fixed"]
     assert names(gust, "sites") == ["observation", "action", "dynamics"]
-    assert {"run", "plan", "report", "show", "export", "train", "eval", "validate", "list", "describe", "preview",
+    assert {"run", "plan", "trial", "report", "show", "export", "train", "eval", "validate", "list", "describe", "preview",
             "store", "completion", "version", "help"} <= set(names(gust, "commands"))
     for kind in KINDS:
         for item in everything[kind]:

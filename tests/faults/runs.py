@@ -56,10 +56,13 @@ class Runs:
         """Runs to the end; returns what it said on stderr."""
         return ended(self.start(out, threads), code)
 
+    def begin(self, *arguments):
+        """Begins another command and does not wait for it."""
+        return started([PROGRAM, *map(str, arguments)], self.folder)
+
     def gust(self, *arguments, code=0):
         """Runs another command; returns what it said on stderr."""
-        command = [PROGRAM, *map(str, arguments)]
-        return ended(started(command, self.folder), code)
+        return ended(self.begin(*arguments), code)
 
     def results(self, out):
         """Everything that must not depend on what happened on the way: the exported table and the stored trials."""
@@ -82,7 +85,7 @@ def ended(process, code=0, seconds=300):
 def trials(out):
     """Every file of every finished trial."""
     files = {}
-    for kind in ("train", "search", "evaluate"):
+    for kind in ("train", "search", "evaluate", "margin"):
         for path in sorted((out / "store" / kind).rglob("*")):
             if path.is_file():
                 files[str(path.relative_to(out))] = path.read_bytes()

@@ -22,6 +22,7 @@ struct Options {
   std::string study, out;
   std::vector<std::string> settings;
   ReproductionChoice choice;
+  bool prepare = false;
   bool json = false;
 };
 
@@ -43,7 +44,7 @@ class PlanTeller {
       seconds_ += done ? 0 : trial.seconds;
       longest_ = std::max(longest_, done ? 0 : trial.seconds);
       missing_ += done ? 0 : 1;
-      tell_trial(trial, done, under);
+      tell_trial(plan, trial, done, under);
     }
   }
 
@@ -57,14 +58,17 @@ class PlanTeller {
   }
 
  private:
-  void tell_trial(const Trial& trial, bool done, const std::string& under) {
+  void tell_trial(const Plan& plan, const Trial& trial, bool done, const std::string& under) {
     const std::string what = under.empty() ? trial.what : cat(trial.what, " · ", under);
     if (json_) {
+      Json needs = Json::array();
+      for (const std::size_t input : trial.inputs) needs.push_back(plan.trials[input].id);
       list_.push_back({{"id", trial.id},
                        {"kind", kind_name(trial.kind)},
                        {"what", what},
                        {"done", done},
-                       {"seconds", trial.seconds}});
+                       {"seconds", trial.seconds},
+                       {"needs", needs}});
     } else {
       const std::string head = fmt::format("{:<7}  {:>7.1f} s  ", done ? "done" : "missing", trial.seconds);
       const std::size_t room = text_columns() - std::min(text_columns() - 1, head.size());
@@ -83,15 +87,17 @@ class PlanTeller {
 };
 
 /// The store of a folder, if there is one.
-std::unique_ptr<Store> store_at(const std::string& folder) {
-  const std::filesystem::path path = StudyFolder(folder).store();
+std::unique_ptr<Store> store_at(const StudyFolder& folder) {
+  const std::filesystem::path path = folder.store();
   return Store::is_at(path) ? std::make_unique<Store>(path, Store::Access::read, tell) : nullptr;
 }
 
 void plan_study(const Options& options) {
   Study study = StudyFolder::read(options.study, options.settings);
   for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
-  const std::unique_ptr<Store> store = store_at(options.out.empty() ? standard_folder(study) : options.out);
+  const StudyFolder folder(options.out.empty() ? standard_folder(study) : options.out);
+  if (options.prepare) folder.keep(study, {options.study, options.settings});
+  const std::unique_ptr<Store> store = store_at(folder);
   PlanTeller teller(store.get(), options.json);
   teller.add(store ? plan_with_store(study, *store) : expand(study, {}), "");
   teller.finish();
@@ -100,7 +106,7 @@ void plan_study(const Options& options) {
 void plan_paper(const Options& options) {
   Reproduction reproduction = chosen_reproduction(options.study, options.choice);
   const std::unique_ptr<Store> store =
-      store_at(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
+      store_at(StudyFolder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out));
   PlanTeller teller(store.get(), options.json);
   for (ReproductionStudy& part : reproduction.studies) {
     teller.add(
@@ -119,11 +125,13 @@ void command_plan(CLI::App& app, int&) {
   command->add_option("--out", options->out, "result folder (default: ./NAME.gust)")->type_name("DIR");
   command->add_option("--set", options->settings, "replace a value of the study: key=value")->type_name("KEY=VALUE");
   add_choice(*command, options->choice);
+  command->add_flag("--prepare", options->prepare, "of a study: make DIR as 'gust run' does, for 'gust trial'");
   command->add_flag("--json", options->json, "as a JSON array");
   command->footer("Examples:\n  gust plan studies/demo.toml\n  gust plan paper --profile quick");
   command->callback([options] {
     std::error_code unknown;
     const bool is_paper = options->study == "paper" && !std::filesystem::is_regular_file(options->study, unknown);
+    if (is_paper && options->prepare) throw Error("--prepare is for a study; 'gust trial' runs no trials of a paper");
     if (is_paper && !options->settings.empty()) throw Error("--set is for a study; a paper has --profile and --seeds");
     const ReproductionChoice& choice = options->choice;
     if (!is_paper && (!choice.only.empty() || choice.seeds || choice.profile != ReproductionChoice{}.profile))

@@ -31,7 +31,7 @@ int train(const TrainRequest& request) {
   if (isatty(STDERR_FILENO) == 0 && run.predicted_seconds() > kWorthTelling)
     tell(cat(run.total_steps(), " steps, about ", clock_text(run.predicted_seconds())));
   TrainingRun::End end{};
-  const Job job{.name = request.agent, .run = {}};
+  const Job job{.what = request.agent, .seconds = 1};
   Progress progress({&job, 1});
   try {
     show_progress(progress, [&] {

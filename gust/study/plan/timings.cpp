@@ -43,7 +43,7 @@ void Timings::note(const std::string& kind, double predicted, double seconds) {
 void Timings::save() const {
   const std::lock_guard lock(mutex_);
   if (noted_.empty()) return;
-  std::map<std::string, Sum> all = known_;
+  std::map<std::string, Sum> all = Timings(file_.parent_path()).known_;  // other processes may have noted theirs
   for (const auto& [kind, sum] : noted_) {
     all[kind].predicted += sum.predicted;
     all[kind].seconds += sum.seconds;

@@ -1,127 +1,13 @@
 #include "gust/study/trials/executor.h"
 
 #include <algorithm>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
-#include <new>
-#include <set>
-
-#include "gust/core/crew.h"
-#include "gust/core/error.h"
 
 namespace gust {
-namespace {
-
-/// Runs one job. This is the place "around a trial": whatever it throws is its failure and nobody else's.
-Outcome run_one(const Job& job, std::stop_token stop, ProgressSink& sink) try {
-  return job.run(std::move(stop), sink);
-} catch (const Error& error) {
-  return {Outcome::State::failed, error.what()};
-} catch (const std::bad_alloc&) {
-  return {Outcome::State::failed, "out of memory"};
-} catch (const std::exception& bug) {
-  return {Outcome::State::failed, cat("internal error: ", bug.what())};
-} catch (...) {
-  return {Outcome::State::failed, "internal error"};
-}
-
-/// The queue that the threads share.
-class Queue {
- public:
-  using Finished = std::function<void(std::size_t, const Outcome&)>;
-
-  Queue(std::span<const Job> jobs, Progress& progress, const Finished& finished)
-      : jobs_(jobs), progress_(progress), finished_(finished), needed_by_(jobs.size()), missing_(jobs.size()) {
-    outcomes_.resize(jobs.size(), {Outcome::State::stopped, ""});
-    is_settled_.resize(jobs.size());
-    for (std::size_t job = 0; job < jobs.size(); ++job) {
-      for (const std::size_t need : jobs[job].needs) {
-        GUST_CHECK(need < job);
-        needed_by_[need].push_back(job);
-      }
-      missing_[job] = jobs[job].needs.size();
-      if (missing_[job] == 0) ready_.insert(job);
-    }
-  }
-
-  /// What each thread does: takes jobs until none is left that could be begun. If it cannot go on, for want of memory,
-  /// the others stop as well.
-  void work(const std::stop_token& stop) {
-    try {
-      take_jobs(stop);
-    } catch (...) {
-      const std::lock_guard lock(mutex_);
-      broken_ = true;
-      changed_.notify_all();
-      throw;
-    }
-  }
-
-  std::vector<Outcome> outcomes() && { return std::move(outcomes_); }
-
- private:
-  void take_jobs(const std::stop_token& stop) {
-    std::unique_lock lock(mutex_);
-    while (true) {
-      changed_.wait(lock, stop, [&] { return !ready_.empty() || settled_ == jobs_.size() || broken_; });
-      if (stop.stop_requested() || ready_.empty() || broken_) return;
-      const std::size_t job = *ready_.begin();
-      ready_.erase(ready_.begin());
-      lock.unlock();
-      progress_.start(job);
-      ProgressSink sink(progress_, job);
-      Outcome outcome = run_one(jobs_[job], stop, sink);
-      lock.lock();
-      settle(job, std::move(outcome));
-    }
-  }
-
-  /// Notes how a job ended and what that means for those that wait for it. The lock is held.
-  void settle(std::size_t job, Outcome outcome) {
-    outcomes_[job] = std::move(outcome);
-    is_settled_[job] = true;
-    ++settled_;
-    if (outcomes_[job].state != Outcome::State::stopped) progress_.finish(job);
-    if (finished_) finished_(job, outcomes_[job]);
-    for (const std::size_t waiting : needed_by_[job]) {
-      if (outcomes_[job].state != Outcome::State::done) {
-        give_up(waiting, job);
-      } else if (--missing_[waiting] == 0) {
-        ready_.insert(waiting);
-      }
-    }
-    changed_.notify_all();
-  }
-
-  /// Settles a job that cannot begin, because an input of it was not made.
-  void give_up(std::size_t job, std::size_t input) {
-    if (is_settled_[job]) return;
-    const bool stopped = outcomes_[input].state == Outcome::State::stopped;
-    if (stopped) settle(job, {Outcome::State::stopped, ""});
-    if (!stopped) settle(job, {Outcome::State::skipped, cat("input missing: ", jobs_[input].name)});
-  }
-
-  std::span<const Job> jobs_;
-  Progress& progress_;
-  const Finished& finished_;
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::vector<std::vector<std::size_t>> needed_by_;
-  std::vector<std::size_t> missing_;  ///< inputs of each job that are not done yet
-  std::set<std::size_t> ready_;
-  std::vector<bool> is_settled_;
-  std::size_t settled_ = 0;
-  bool broken_ = false;  ///< a thread had to give up
-  std::vector<Outcome> outcomes_;
-};
-
-}  // namespace
 
 Progress::Progress(std::span<const Job> jobs) : entries_(jobs.size()) {
   for (std::size_t job = 0; job < jobs.size(); ++job) {
-    entries_[job].name = jobs[job].name;
-    entries_[job].weight = jobs[job].weight;
+    entries_[job].what = jobs[job].what;
+    entries_[job].seconds = jobs[job].seconds;
   }
 }
 
@@ -131,10 +17,10 @@ Progress::Moment Progress::now() const {
   double whole = 0;
   for (const Entry& entry : entries_) {
     const bool finished = entry.finished.load();
-    whole += entry.weight;
-    moment.fraction += entry.weight * (finished ? 1.0 : entry.fraction.load());
+    whole += entry.seconds;
+    moment.fraction += entry.seconds * (finished ? 1.0 : entry.fraction.load());
     moment.finished += finished ? 1 : 0;
-    if (!finished && entry.running.load()) moment.running.push_back(entry.name);
+    if (!finished && entry.running.load()) moment.running.push_back(entry.what);
   }
   if (whole > 0) moment.fraction = std::min(1.0, moment.fraction / whole);
   return moment;
@@ -145,12 +31,5 @@ void Progress::start(std::size_t job) { entries_.at(job).running = true; }
 void Progress::advance(std::size_t job, double fraction) { entries_.at(job).fraction = std::clamp(fraction, 0.0, 1.0); }
 
 void Progress::finish(std::size_t job) { entries_.at(job).finished = true; }
-
-std::vector<Outcome> run_jobs(std::span<const Job> jobs, std::size_t threads, std::stop_token stop, Progress& progress,
-                              const std::function<void(std::size_t, const Outcome&)>& finished) {
-  Queue queue(jobs, progress, finished);
-  run_crew(std::min(threads, jobs.size()), [&] { queue.work(stop); });
-  return std::move(queue).outcomes();
-}
 
 }  // namespace gust

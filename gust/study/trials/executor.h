@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -22,7 +21,14 @@ struct Outcome {
   std::string reason;
 };
 
-struct Job;
+/// A trial that is to be run. Its id says all to whoever has the study: nothing here is tied to this process.
+struct Job {
+  std::string id;                  ///< of the trial, "ppo-s1-3f…"
+  std::string kind;                ///< of the trial, "train": with the id its place in the store
+  std::string what;                ///< for people: "train ppo seed 1"
+  double seconds = 0;              ///< predicted, on one core
+  std::vector<std::size_t> needs;  ///< indices of earlier jobs that must be done first
+};
 
 /// Where the jobs stand. Written by the threads that run them, read by whoever draws it, without a lock.
 class Progress {
@@ -32,7 +38,7 @@ class Progress {
     double fraction = 0;  ///< of the predicted work, 0 to 1
     std::size_t finished = 0;
     std::size_t jobs = 0;
-    std::vector<std::string> running;  ///< names, in plan order
+    std::vector<std::string> running;  ///< what they do, in plan order
   };
 
   explicit Progress(std::span<const Job> jobs);
@@ -45,8 +51,8 @@ class Progress {
 
  private:
   struct Entry {
-    std::string name;
-    double weight = 0;
+    std::string what;
+    double seconds = 0;
     std::atomic<double> fraction = 0;
     std::atomic<bool> running = false;
     std::atomic<bool> finished = false;
@@ -65,20 +71,16 @@ class ProgressSink {
   std::size_t job_;
 };
 
-/// A piece of work: a trial.
-struct Job {
-  std::string name;                ///< as the progress shows it
-  double weight = 1;               ///< predicted seconds
-  std::vector<std::size_t> needs;  ///< indices of earlier jobs that must be done first
-  /// Does the work; polls the token now and then and returns `stopped` soon after it fires. An exception is a failure.
-  std::function<Outcome(std::stop_token, ProgressSink&)> run;
-};
+/// What runs trials: threads of this process (thread_executor.h), other processes, other machines. Jobs hand nothing to
+/// each other but what they leave in the store.
+class Executor {
+ public:
+  virtual ~Executor() = default;
 
-/// Runs the jobs on this many threads and returns their outcomes in the order of the jobs. Of the jobs whose inputs are
-/// done the first starts first. A job that fails takes nothing with it but those that need it. After a stop no job
-/// begins; those that had not are `stopped`, and `finished` is not told of them. It hears of the others as they end,
-/// one call at a time.
-std::vector<Outcome> run_jobs(std::span<const Job> jobs, std::size_t threads, std::stop_token stop, Progress& progress,
-                              const std::function<void(std::size_t, const Outcome&)>& finished = {});
+  /// Runs the jobs, each after those that it needs, tells `progress` as they begin and end, and returns their outcomes
+  /// in the order of the jobs. A job that fails takes nothing with it but those that need it, which are skipped. After
+  /// a stop no job begins; those that had not are `stopped`.
+  virtual std::vector<Outcome> run(std::span<const Job> jobs, std::stop_token stop, Progress& progress) = 0;
+};
 
 }  // namespace gust

@@ -192,7 +192,9 @@ Study StudyFolder::open(const Store::Notice& notice) const {
     throw Error(cat(path_.string(), ": holds what 'gust reproduce' found, and no single study; 'gust report ",
                     shell_word(path_.string()), "' writes its page, its tables are the files READING/STUDY.csv"));
   if (!whole)
-    throw Error(cat(path_.string(), ": holds no study; give the folder that 'gust run' or 'gust reproduce' left"));
+    throw Error(
+        cat(path_.string(),
+            ": holds no study; give the folder that 'gust run' or 'gust reproduce' left, or 'gust plan --prepare'"));
   const KeptInputs inputs = read_inputs(path_);
   std::size_t asked = 0;
   const FindFiles find = [&](const std::string&, const Place&) {

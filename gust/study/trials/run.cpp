@@ -1,121 +1,29 @@
 #include "gust/study/trials/run.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <map>
 
-#include "gust/store/checkpoint.h"
 #include "gust/study/plan/timings.h"
-#include "gust/study/trials/trial_check.h"
 #include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {
 
-/// Seconds that this thread has spent on a processor.
-double thread_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-/// A trial of one of several plans.
-struct PlannedTrial {
-  std::size_t plan = 0;
-  std::size_t trial = 0;
-};
-
-/// The trials that the store lacks, as jobs that need each other.
-class MissingJobs {
- public:
-  std::vector<Job> jobs;
-  std::vector<PlannedTrial> trials;  ///< which one each job is
-
-  /// Plans and studies must outlive the jobs.
-  MissingJobs(const std::vector<Study*>& studies, const std::vector<RunOutcome>& runs, const Store& store,
-              Timings& timings)
-      : timings_(timings) {
-    std::vector<PlannedTrial> all;
-    for (std::size_t p = 0; p < runs.size(); ++p) {
-      job_of_.emplace_back(runs[p].plan.trials.size(), Trial::kNominal);
-      for (std::size_t t = 0; t < runs[p].plan.trials.size(); ++t) all.push_back({p, t});
-    }
-    const auto seconds_first = [&](const PlannedTrial& at) {  // of trainings, which need nothing
-      const Trial& trial = runs[at.plan].plan.trials[at.trial];
-      return trial.kind == Trial::Kind::kTrain ? trial.seconds : 0.0;
-    };
-    if (runs.size() > 1) std::ranges::stable_sort(all, std::greater{}, seconds_first);
-    for (const PlannedTrial& at : all) add(*studies[at.plan], runs[at.plan].plan, at, store);
-  }
-
- private:
-  void add(const Study& study, const Plan& plan, const PlannedTrial& at, const Store& store) {
-    const Trial& trial = plan.trials[at.trial];
-    if (load_trial(plan, trial, store, CheckDepth::whole) || training_failure(plan, trial, store)) return;
-    Job job{trial.what, trial.seconds, {}, {}};
-    for (const std::size_t input : trial.inputs) {
-      if (job_of_[at.plan][input] != Trial::kNominal) job.needs.push_back(job_of_[at.plan][input]);
-    }
-    const auto [first, is_first] = first_of_.try_emplace(trial.id, jobs.size());
-    if (!is_first) {  // trials of one name are done once: the others wait and find it done
-      job.needs.push_back(first->second);
-      job.weight = 0;
-    }
-    job.run = [this, &study, &plan, &store, index = at.trial, alone = is_first](std::stop_token stop,
-                                                                                ProgressSink& progress) {
-      const Trial& trial = plan.trials[index];
-      const bool whole = alone && !has_checkpoint(store, trial.id);  // it does all of the work
-      const double begin = thread_seconds();
-      Outcome outcome = run_trial(study, plan, index, store, stop, progress);
-      if (whole && outcome.state == Outcome::State::done)
-        timings_.note(timing_kind(study, trial), trial.guess, thread_seconds() - begin);
-      return outcome;
-    };
-    job_of_[at.plan][at.trial] = jobs.size();
-    trials.push_back(at);
-    jobs.push_back(std::move(job));
-  }
-
-  Timings& timings_;
-  std::vector<std::vector<std::size_t>> job_of_;
-  std::map<std::string, std::size_t> first_of_;
-};
-
-/// A stored training that ended without a policy fails again, and what needs it is skipped.
-void judge_stored(const Plan& plan, const Store& store, RunOutcome& outcome) {
-  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
-    const Trial& trial = plan.trials[i];
-    if (outcome.outcomes[i].state != Outcome::State::done) continue;
-    const std::optional<std::string> failure = training_failure(plan, trial, store);
-    if (!failure) continue;
-    const bool itself = trial.kind == Trial::Kind::kTrain;
-    outcome.outcomes[i] = {itself ? Outcome::State::failed : Outcome::State::skipped,
-                           itself ? *failure : cat("its training failed: ", *failure)};
-  }
-}
-
 /// Runs what the plans of the runs lack.
 void run_plans(const std::vector<Study*>& studies, const Store& store, const RunOptions& options,
                std::vector<RunOutcome>& runs) {
-  Timings timings(store.folder());
-  MissingJobs missing(studies, runs, store, timings);
-  Progress progress(missing.jobs);
-  std::vector<Outcome> results;
-  const auto work = [&] { results = run_jobs(missing.jobs, options.threads, options.stop, progress); };
-  if (options.watch && !missing.jobs.empty()) {
-    options.watch(progress, work);
-  } else {
-    work();
+  std::vector<PlannedTrial> all;
+  for (std::size_t p = 0; p < runs.size(); ++p) {
+    for (std::size_t t = 0; t < runs[p].plan.trials.size(); ++t) all.push_back({studies[p], &runs[p].plan, t});
   }
-  timings.save();
+  const std::vector<Outcome> outcomes = run_trials(all, store, options);
+  auto next = outcomes.begin();
   for (RunOutcome& run : runs) {
-    run.outcomes.assign(run.plan.trials.size(), {});
+    const auto begin = next;
+    next += static_cast<std::ptrdiff_t>(run.plan.trials.size());
+    run.outcomes.assign(begin, next);
     run.stopped = options.stop.stop_requested();
   }
-  for (std::size_t j = 0; j < missing.jobs.size(); ++j)
-    runs[missing.trials[j].plan].outcomes[missing.trials[j].trial] = results[j];
-  for (RunOutcome& run : runs) judge_stored(run.plan, store, run);
 }
 
 /// Adds the levels that claims are about.

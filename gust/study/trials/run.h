@@ -2,19 +2,11 @@
 
 #include "gust/store/store.h"
 #include "gust/study/plan/plan.h"
-#include "gust/study/trials/executor.h"
+#include "gust/study/trials/run_trials.h"
 
 namespace gust {
 
-/// How a study is run; nothing here changes a number.
-struct RunOptions {
-  std::size_t threads = 1;
-  std::stop_token stop;
-  /// Called around each batch of work: shows the progress while `work` runs. May be empty.
-  std::function<void(Progress&, const std::function<void()>& work)> watch;
-};
-
-/// What became of the trials, in plan order.
+/// How the trials of a study ended, in plan order.
 struct RunOutcome {
   Plan plan;
   std::vector<Outcome> outcomes;

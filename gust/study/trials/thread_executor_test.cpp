@@ -1,9 +1,10 @@
-#include "gust/study/trials/executor.h"
+#include "gust/study/trials/thread_executor.h"
 
 #include <doctest/doctest.h>
 
 #include <chrono>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <new>
 #include <thread>
@@ -16,16 +17,36 @@ namespace {
 
 using State = Outcome::State;
 
-Job job_of(std::string name, std::vector<std::size_t> needs, std::function<void()> work) {
-  return {std::move(name), 1, std::move(needs), [work = std::move(work)](std::stop_token, ProgressSink&) {
-            work();
-            return Outcome{};
-          }};
+/// What a test makes of a job.
+using Work = std::function<Outcome(std::stop_token, ProgressSink&)>;
+
+/// Jobs, and by their ids what the executor is to do for each.
+struct Jobs {
+  std::vector<Job> list = {};
+  std::map<std::string, Work> work = {};
+
+  void add(const std::string& what, std::vector<std::size_t> needs, Work does) {
+    list.push_back({cat(what, "-", list.size()), "train", what, 1, std::move(needs)});
+    work[list.back().id] = std::move(does);
+  }
+  void add(const std::string& what, std::vector<std::size_t> needs, std::function<void()> does) {
+    add(what, std::move(needs), Work([does = std::move(does)](std::stop_token, ProgressSink&) {
+          does();
+          return Outcome{};
+        }));
+  }
+};
+
+std::vector<Outcome> run_all(const Jobs& jobs, std::size_t threads, Progress& progress, std::stop_token stop = {}) {
+  ThreadExecutor executor(threads, [&](const Job& job, std::stop_token stopped, ProgressSink& sink) {
+    return jobs.work.at(job.id)(std::move(stopped), sink);
+  });
+  return executor.run(jobs.list, std::move(stop), progress);
 }
 
-std::vector<Outcome> run_all(const std::vector<Job>& jobs, std::size_t threads) {
-  Progress progress(jobs);
-  return run_jobs(jobs, threads, {}, progress);
+std::vector<Outcome> run_all(const Jobs& jobs, std::size_t threads) {
+  Progress progress(jobs.list);
+  return run_all(jobs, threads, progress);
 }
 
 std::string states_of(const std::vector<Outcome>& outcomes) {
@@ -39,8 +60,11 @@ std::string states_of(const std::vector<Outcome>& outcomes) {
 TEST_CASE("jobs on one thread run in plan order, those that wait after what they need") {
   std::string order;
   const auto note = [&](char letter) { return [&order, letter] { order += letter; }; };
-  const std::vector<Job> jobs = {job_of("a", {}, note('a')), job_of("b", {0}, note('b')), job_of("c", {}, note('c')),
-                                 job_of("d", {1, 2}, note('d'))};
+  Jobs jobs;
+  jobs.add("a", {}, note('a'));
+  jobs.add("b", {0}, note('b'));
+  jobs.add("c", {}, note('c'));
+  jobs.add("d", {1, 2}, note('d'));
 
   const auto outcomes = run_all(jobs, 1);
 
@@ -52,14 +76,14 @@ TEST_CASE("no job begins before what it needs has ended, on any number of thread
   constexpr std::size_t kJobs = 400;
   std::vector<std::atomic<bool>> ended(kJobs);
   std::atomic<int> early = 0;
-  std::vector<Job> jobs;
+  Jobs jobs;
   for (std::size_t i = 0; i < kJobs; ++i) {
     std::vector<std::size_t> needs;
     if (i >= 3) needs = {i / 2, i - 3};
-    jobs.push_back(job_of("job", needs, [&ended, &early, needs, i] {
+    jobs.add("job", needs, [&ended, &early, needs, i] {
       for (const std::size_t need : needs) early += ended[need] ? 0 : 1;
       ended[i] = true;
-    }));
+    });
   }
 
   const auto outcomes = run_all(jobs, 8);
@@ -78,20 +102,22 @@ TEST_CASE("jobs run side by side") {
     met.notify_all();
     if (!met.wait_for(lock, std::chrono::seconds(30), [&] { return here == 3; })) throw Error("nobody came");
   };
-  const std::vector<Job> jobs = {job_of("a", {}, meet), job_of("b", {}, meet), job_of("c", {}, meet)};
+  Jobs jobs;
+  for (const char* name : {"a", "b", "c"}) jobs.add(name, {}, meet);
 
   CHECK(states_of(run_all(jobs, 3)) == "ddd");
 }
 
 TEST_CASE("a failure has its reason, takes along what needs it, and nothing else") {
   const auto fine = [] {};
-  const std::vector<Job> jobs = {job_of("a", {}, [] { throw Error("a: no space"); }),
-                                 job_of("b", {}, [] { throw std::bad_alloc(); }),
-                                 job_of("c", {}, [] { throw Bug("c.cpp:1: expected x"); }),
-                                 job_of("d", {0}, fine),
-                                 job_of("e", {3, 1}, fine),
-                                 job_of("f", {}, fine),
-                                 job_of("g", {5}, fine)};
+  Jobs jobs;
+  jobs.add("a", {}, [] { throw Error("a: no space"); });
+  jobs.add("b", {}, [] { throw std::bad_alloc(); });
+  jobs.add("c", {}, [] { throw Bug("c.cpp:1: expected x"); });
+  jobs.add("d", {0}, fine);
+  jobs.add("e", {3, 1}, fine);
+  jobs.add("f", {}, fine);
+  jobs.add("g", {5}, fine);
 
   for (const std::size_t threads : {1, 4}) {
     const auto outcomes = run_all(jobs, threads);
@@ -107,54 +133,55 @@ TEST_CASE("a failure has its reason, takes along what needs it, and nothing else
 
 TEST_CASE("a stop reaches the running jobs and begins no others") {
   std::stop_source source;
-  std::vector<Job> jobs = {job_of("before", {}, [] {})};
-  jobs.push_back({"running", 1, {}, [&](std::stop_token stop, ProgressSink&) {
-                    source.request_stop();
-                    while (!stop.stop_requested()) std::this_thread::yield();
-                    return Outcome{State::stopped, ""};
-                  }});
-  jobs.push_back(job_of("after", {}, [] {}));
-  jobs.push_back(job_of("needs running", {1}, [] {}));
-  Progress progress(jobs);
-  std::size_t told = 0;
+  Jobs jobs;
+  jobs.add("before", {}, [] {});
+  jobs.add("running", {}, Work([&](std::stop_token stop, ProgressSink&) {
+             source.request_stop();
+             while (!stop.stop_requested()) std::this_thread::yield();
+             return Outcome{State::stopped, ""};
+           }));
+  jobs.add("after", {}, [] {});
+  jobs.add("needs running", {1}, [] {});
+  Progress progress(jobs.list);
 
-  const auto outcomes = run_jobs(jobs, 1, source.get_token(), progress, [&](std::size_t, const Outcome&) { ++told; });
+  const auto outcomes = run_all(jobs, 1, progress, source.get_token());
 
   CHECK(states_of(outcomes) == "dxxx");
-  CHECK(told >= 2);
+  CHECK(progress.now().finished == 1);
 }
 
 TEST_CASE("a stop from outside ends threads that wait for work") {
   std::stop_source source;
-  std::vector<Job> jobs;
-  jobs.push_back({"long", 1, {}, [](std::stop_token stop, ProgressSink&) {
-                    while (!stop.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                    return Outcome{State::stopped, ""};
-                  }});
-  jobs.push_back(job_of("waits", {0}, [] {}));
-  Progress progress(jobs);
+  Jobs jobs;
+  jobs.add("long", {}, Work([](std::stop_token stop, ProgressSink&) {
+             while (!stop.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+             return Outcome{State::stopped, ""};
+           }));
+  jobs.add("waits", {0}, [] {});
+  Progress progress(jobs.list);
   std::jthread stopper([&] {
     while (progress.now().running.empty()) std::this_thread::yield();
     source.request_stop();
   });
 
-  CHECK(states_of(run_jobs(jobs, 4, source.get_token(), progress)) == "xx");
+  CHECK(states_of(run_all(jobs, 4, progress, source.get_token())) == "xx");
 }
 
 TEST_CASE("a job that stops by itself holds up nobody") {
-  std::vector<Job> jobs;
-  jobs.push_back({"quits", 1, {}, [](std::stop_token, ProgressSink&) { return Outcome{State::stopped, ""}; }});
-  jobs.push_back(job_of("needs it", {0}, [] {}));
-  jobs.push_back(job_of("does not", {}, [] {}));
+  Jobs jobs;
+  jobs.add("quits", {}, Work([](std::stop_token, ProgressSink&) { return Outcome{State::stopped, ""}; }));
+  jobs.add("needs it", {0}, [] {});
+  jobs.add("does not", {}, [] {});
 
-  Progress progress(jobs);
-  CHECK(states_of(run_jobs(jobs, 2, {}, progress)) == "xxd");
+  Progress progress(jobs.list);
+  CHECK(states_of(run_all(jobs, 2, progress)) == "xxd");
   CHECK(progress.now().finished == 1);
 }
 
 TEST_CASE("progress weighs jobs by their predicted time and names those that run") {
   std::vector<Job> jobs(3);
-  for (std::size_t i = 0; i < jobs.size(); ++i) jobs[i] = {cat("job ", i), i == 0 ? 6.0 : 2.0, {}, {}};
+  for (std::size_t i = 0; i < jobs.size(); ++i)
+    jobs[i] = {cat("id-", i), "evaluate", cat("job ", i), i == 0 ? 6.0 : 2.0, {}};
   Progress progress(jobs);
 
   progress.start(1);
@@ -172,7 +199,9 @@ TEST_CASE("progress weighs jobs by their predicted time and names those that run
 TEST_CASE("no jobs are done at once") { CHECK(run_all({}, 4).empty()); }
 
 TEST_CASE("a job that needs a later one is our mistake") {
-  const std::vector<Job> jobs = {job_of("a", {1}, [] {}), job_of("b", {}, [] {})};
+  Jobs jobs;
+  jobs.add("a", {1}, [] {});
+  jobs.add("b", {}, [] {});
 
   CHECK_THROWS_AS(run_all(jobs, 1), Bug);
 }
