@@ -122,8 +122,8 @@ void command_trial(CLI::App& app, int& exit_code) {
   command->add_flag("--json", options->json, "how each ended, as a JSON array");
   command->footer(
       "Example:\n"
-      "  gust plan studies/demo.toml --prepare --json\n"
-      "  gust trial demo.gust action-step-5a1c07d2e94b3f60812d\n"
+      "  gust plan studies/demo.toml --out queue.gust --prepare \\\n"
+      "      && gust trial queue.gust nominal-c6d1f7c2a5fbb392b4ec\n"
       "What a trial needs must be in the store or named too. What is there already is not run again.");
   command->callback([options, &exit_code] { exit_code = run_chosen(*options); });
 }
