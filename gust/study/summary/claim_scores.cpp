@@ -47,10 +47,11 @@ FormulaList listed(const std::vector<double>& axis, std::span<const Sampled> val
 }
 
 /// What policies have in common whose seeds are the same trainings: a longer one goes on where a shorter one ends, and
-/// a risk level is chosen when the policy acts.
+/// a risk level is chosen when the policy acts. The streams of resamples are named by this text, so it stays as it is.
 std::string seeds_key(const Study& study, const StudyPolicy& policy) {
   if (policy.kind != StudyPolicy::Kind::kTrain) return policy.name;
-  std::string key = cat(policy.agent.kind, " ", policy.agent.options.without("steps").text());
+  const std::string rest = policy.agent.options.without("steps").text();
+  std::string key = cat(policy.agent.kind, "(", rest.empty() ? "" : ", ", rest, ")");
   for (const Injection& injection : policy.disturbed)
     key += cat("; ", injection.canonical(), " ", canonical_text(injection.level));
   return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()),
