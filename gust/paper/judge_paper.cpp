@@ -144,7 +144,9 @@ class Judge {
     const bool known = std::ranges::all_of(
         premise.from, [&](const std::string& study) { return reproduction_.find(reading, study).has_value(); });
     if (!known) return false;
-    const ClaimScores scores(sources(premise.from, reading), {.metric = "anr_h", .start = "random"}, Rng(1));
+    const ClaimScores scores(sources(premise.from, reading),
+                             {.metric = metric_of(premise.metric, premise.from), .start = start_of(premise.from)},
+                             Rng(1));
     const Finding finding = judge(*premise.formula, paper_.names, scores);
     return store_ != nullptr && !finding.parts.empty() && finding.true_parts() < finding.parts.size();
   }
@@ -159,18 +161,27 @@ class Judge {
     return at == paper_.readings.end() ? 0 : static_cast<std::size_t>(at - paper_.readings.begin());
   }
 
-  const Study& study_of(const PaperClaim& claim) const {
-    return reproduction_.studies[*reproduction_.find(0, claim.from.front())].study;
+  /// The first of some studies under the main reading.
+  const Study& first_of(const std::vector<std::string>& from) const {
+    return reproduction_.studies[*reproduction_.find(0, from.front())].study;
   }
 
-  std::string metric_of(const PaperClaim& claim) const {
-    const Study& study = study_of(claim);
-    return claim.metric.empty() ? study.metric_set.name(margin_metric(study)) : claim.metric;
+  std::string metric_of(const std::string& metric, const std::vector<std::string>& from) const {
+    const Study& study = first_of(from);
+    return metric.empty() ? study.metric_set.name(margin_metric(study)) : metric;
+  }
+  std::string metric_of(const PaperClaim& claim) const { return metric_of(claim.metric, claim.from); }
+
+  /// Random starts, unless the first of the studies has none.
+  std::string start_of(const std::vector<std::string>& from) const {
+    const std::vector<StartProtocol>& starts = first_of(from).starts;
+    const bool random = std::ranges::find(starts, "random", &StartProtocol::name) != starts.end();
+    return random ? "random" : starts.front().name;
   }
 
   /// Whether a claim asks for metrics by their names.
   bool asks_metrics(const PaperClaim& claim) const {
-    const MetricSet& metrics = study_of(claim).metric_set;
+    const MetricSet& metrics = first_of(claim.from).metric_set;
     for (std::size_t i = 0; i < metrics.size(); ++i) {
       if (claim.formula->calls(metrics.name(i))) return true;
     }
@@ -206,7 +217,7 @@ class Judge {
     const std::string metric = metric_of(claim);
     const auto other = reading.instead.find(metric);
     return {.metric = other == reading.instead.end() ? metric : other->second,
-            .start = reading.start.empty() ? "random" : reading.start,
+            .start = reading.start.empty() ? start_of(claim.from) : reading.start,
             .over_seeds = reading.median ? Statistic::median : Statistic::mean};
   }
 

@@ -25,7 +25,10 @@ struct CurveCell {
   bool has(const std::string& metric) const {
     return std::ranges::find(series->metrics, study->metric_set.index(metric, {})) != series->metrics.end();
   }
-  double value(const std::string& metric) const { return series->at(study->metric_set.index(metric, {}), cell).value; }
+  /// NaN where the study does not measure it.
+  double value(const std::string& metric) const {
+    return has(metric) ? series->at(study->metric_set.index(metric, {}), cell).value : Page::kUnknown;
+  }
 };
 
 template <class Visit>
@@ -246,6 +249,7 @@ NoiseCount training_noise(const PaperResults& results, const PaperFigure& figure
   std::set<std::string> asked;
   const Study& study = results.reproduction.studies[at].study;
   const auto start = std::ranges::find(study.starts, random, &StartProtocol::random);
+  if (start == study.starts.end()) return count;
   for (const PaperMap& map : figure.maps) {
     const std::vector<Estimate> cells =
         map_cells(map, study, results.summaries[at], study.metric_set.index("anr_h", {}),

@@ -148,10 +148,9 @@ std::string chance_text(const PaperResults& results) {
   if (others == 0) return "";
   return fmt::format(
       " At the 5 % that intervals are made for, chance alone would show or refute about {:.0f} of the {} that were not "
-      "named before the run ({} are), and "
-      "{:.0f} "
-      "of their {} verdicts under all readings ({} are); with few seeds it is more.",
-      kChance * static_cast<double>(others), others, decided, kChance * static_cast<double>(all), all, all_decided);
+      "named before the run ({}), and {:.0f} of their {} verdicts under all readings ({}); with few seeds it is more.",
+      kChance * static_cast<double>(others), others, counted(decided, "is", "are"), kChance * static_cast<double>(all),
+      all, counted(all_decided, "is", "are"));
 }
 
 std::string counts_sentence(const PaperResults& results) {

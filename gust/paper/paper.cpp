@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 
 #include "gust/core/csv.h"
 #include "gust/core/fields.h"
 #include "gust/core/text.h"
-#include "gust/paper/paper_files.h"
+#include "gust/paper/paper_checks.h"
+#include "gust/report/charts.h"
 #include "gust/setup/toml.h"
 #include "gust/study/text/parse.h"
 
@@ -40,22 +42,13 @@ void for_each_table(const Table& table, std::string_view key, Visit&& visit) {
   for (const Value& item : list->as_list(key)) visit(item.as_table(key));
 }
 
-/// Checks that every name is one of a figure's studies.
-void check_figures(const Paper& paper, const std::vector<std::string>& names, const Table& table) {
-  std::vector<std::string> known;
-  for (const PaperFigure& figure : paper.figures) known.push_back(figure.study);
-  for (const std::string& name : names) {
-    if (paper.figure(name) == nullptr)
-      throw error_at(table.place, "unknown study '", name, "'", did_you_mean(name, known));
-  }
-}
-
-/// Checks that a name is that of a reading, or empty.
-void check_reading(const Paper& paper, const std::string& name, const Table& table) {
-  std::vector<std::string> known;
-  for (const PaperReading& reading : paper.readings) known.push_back(reading.name);
-  if (!name.empty() && std::ranges::find(known, name) == known.end())
-    throw error_at(table.place, "unknown reading '", name, "'", did_you_mean(name, known));
+/// Reads the text of a study that a value names.
+void read_study(Paper& paper, const Value& value, std::string_view key) {
+  check_file_name(value, key);
+  const std::string file = cat(value.as_text(key), ".toml");
+  std::optional<std::string> text = paper.files_from.read(file);
+  if (!text) throw error_at(value.place, "there is no ", paper.files_from.place(file));
+  paper.files[file] = std::move(*text);
 }
 
 PaperProfile parse_profile(const Table& table) {
@@ -74,10 +67,9 @@ PaperProfile parse_profile(const Table& table) {
 /// studies are found by Reproduction::find.
 PaperReading like_another(const Table& table, const Paper& paper) {
   PaperReading reading;
-  const std::string name = text_of(table, "like");
-  if (name.empty()) return reading;
-  check_reading(paper, name, table);
-  reading.like = paper.reading(name);
+  if (!table.contains("like")) return reading;
+  check_reading(paper, table, "like");
+  reading.like = paper.reading(text_of(table, "like"));
   const PaperReading& other = paper.readings[*reading.like];
   reading.start = other.start;
   reading.asks = other.asks;
@@ -85,7 +77,20 @@ PaperReading like_another(const Table& table, const Paper& paper) {
   return reading;
 }
 
-PaperReading parse_reading(const Table& table, const Paper& paper) {
+/// The files of figures' studies that a reading replaces by others.
+std::map<std::string, std::string> parse_files(const Table& table, Paper& paper) {
+  std::map<std::string, std::string> files;
+  const Value* value = table.find("files");
+  if (value == nullptr) return files;
+  for (const auto& [study, file] : value->as_table("files").items) {
+    check_study(paper, {study, file.place});
+    read_study(paper, file, study);
+    files[study] = file.as_text(study);
+  }
+  return files;
+}
+
+PaperReading parse_reading(const Table& table, Paper& paper) {
   std::vector<std::string> known = {"name",    "says", "like",  "common", "settings", "figures", "files",
                                     "instead", "asks", "start", "median", "claims",   "printed"};
   const std::vector<std::string> figures = texts_of(table, "figures");
@@ -95,7 +100,8 @@ PaperReading parse_reading(const Table& table, const Paper& paper) {
   for (const std::string& figure : figures) {
     if (table.contains(figure)) reading.own[figure] = texts_of(table, figure);
   }
-  reading.name = required_text(table, "name", "a reading");
+  reading.name = checked_name(table, "name", "a reading");
+  check_folder_name(paper, reading, table.find("name")->place);
   reading.says = required_text(table, "says", "a reading");
   reading.common = texts_of(table, "common");
   reading.settings = texts_of(table, "settings");
@@ -104,13 +110,11 @@ PaperReading parse_reading(const Table& table, const Paper& paper) {
   reading.median = flag_of(table, "median");
   if (table.contains("claims")) reading.claims = texts_of(table, "claims");
   reading.printed = flag_of(table, "printed");
-  const auto texts_by_name = [&](std::string_view key, std::map<std::string, std::string>& into) {
-    const Value* value = table.find(key);
-    if (value == nullptr) return;
-    for (const auto& [from, to] : value->as_table(key).items) into[from] = to.as_text(from);
-  };
-  texts_by_name("files", reading.files);
-  texts_by_name("instead", reading.instead);
+  check_studies(paper, table, "figures");
+  reading.files = parse_files(table, paper);
+  if (const Value* instead = table.find("instead")) {
+    for (const auto& [from, to] : instead->as_table("instead").items) reading.instead[from] = to.as_text(from);
+  }
   if (const Value* asks = table.find("asks")) {
     for (const auto& [claim, formula] : asks->as_table("asks").items) {
       reading.asks.insert_or_assign(claim, Formula(formula.as_text(claim), formula.place));
@@ -120,28 +124,66 @@ PaperReading parse_reading(const Table& table, const Paper& paper) {
   return reading;
 }
 
-PaperFigure parse_figure(const Table& table) {
+std::vector<PaperMap> parse_maps(const Table& table) {
+  std::vector<PaperMap> maps;
+  if (!table.contains("heat")) return maps;
+  for_each_table(table, "heat", [&](const Table& map) {
+    check_keys(map, {"name", "policies", "sweep"}, "a heat map");
+    maps.push_back({required_text(map, "name", "a heat map"), required_text(map, "policies", "a heat map"),
+                    required_text(map, "sweep", "a heat map")});
+    if (maps.back().policies.find("{level}") == std::string::npos)
+      throw error_at(map.place, "'policies' must hold {level}");
+  });
+  return maps;
+}
+
+/// The parts of the page that a figure shows, each once.
+std::vector<std::string> parse_shows(const Table& table) {
+  const std::vector<std::string> known(chart_kinds().begin(), chart_kinds().end());
+  std::vector<std::string> shows;
+  const Value* list = table.find("shows");
+  if (list == nullptr) return shows;
+  for (const Value& item : list->as_list("shows")) {
+    check_known(known, item, "part of a page");
+    if (std::ranges::find(shows, item.as_text("shows")) != shows.end())
+      throw error_at(item.place, "'", item.as_text("shows"), "' is shown twice");
+    shows.push_back(item.as_text("shows"));
+  }
+  return shows;
+}
+
+/// The printed table of a figure, which tables.csv must have.
+std::string parse_table(const Table& table, const Paper& paper) {
+  const Value* name = table.find("table");
+  if (name == nullptr) return {};
+  std::vector<std::string> known;
+  for (const PrintedValue& value : paper.tables) known.push_back(value.table);
+  const std::string file = paper.files_from.place("tables.csv");
+  if (!paper.files.contains("tables.csv")) throw error_at(name->place, "there is no ", file, ", which has its numbers");
+  if (std::ranges::find(known, name->as_text("table")) == known.end())
+    throw error_at(name->place, file, " has no table '", name->as_text("table"), "'",
+                   did_you_mean(name->as_text("table"), known));
+  return name->as_text("table");
+}
+
+PaperFigure parse_figure(const Table& table, Paper& paper) {
   check_keys(table, {"study", "reading", "place", "title", "says", "note", "shows", "heat", "table", "metric"},
              "a figure");
   PaperFigure figure;
   figure.study = required_text(table, "study", "a figure");
+  read_study(paper, *table.find("study"), "study");
+  if (paper.figure(figure.study) != nullptr)
+    throw error_at(table.find("study")->place, "two figures have the study '", figure.study, "'");
   figure.reading = text_of(table, "reading");
   figure.place = required_text(table, "place", "a figure");
   figure.title = required_text(table, "title", "a figure");
   figure.says = required_text(table, "says", "a figure");
   figure.note = text_of(table, "note");
-  figure.shows = texts_of(table, "shows");
-  figure.table = text_of(table, "table");
-  figure.metric = text_of(table, "metric");
-  if (table.contains("heat")) {
-    for_each_table(table, "heat", [&](const Table& map) {
-      check_keys(map, {"name", "policies", "sweep"}, "a heat map");
-      figure.maps.push_back({required_text(map, "name", "a heat map"), required_text(map, "policies", "a heat map"),
-                             required_text(map, "sweep", "a heat map")});
-      if (figure.maps.back().policies.find("{level}") == std::string::npos)
-        throw error_at(map.place, "'policies' must hold {level}");
-    });
-  }
+  figure.shows = parse_shows(table);
+  figure.table = parse_table(table, paper);
+  figure.metric =
+      figure.table.empty() ? text_of(table, "metric") : required_text(table, "metric", "a figure with a table");
+  figure.maps = parse_maps(table);
   return figure;
 }
 
@@ -160,9 +202,9 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
   claim.headline = text_of(table, "headline");
   claim.metric = text_of(table, "metric");
   claim.reading = text_of(table, "reading");
-  check_figures(paper, {claim.figure}, table);
-  check_figures(paper, claim.from, table);
-  check_reading(paper, claim.reading, table);
+  check_study(paper, *table.find("figure"));
+  check_studies(paper, table, "from");
+  check_reading(paper, table, "reading");
   if (const Value* holds = table.find("holds")) {
     claim.formula.emplace(holds->as_text("holds"), holds->place);
   } else {
@@ -172,13 +214,15 @@ PaperClaim parse_claim(const Table& table, const Paper& paper) {
 }
 
 PaperPremise parse_premise(const Table& table, const Paper& paper) {
-  check_keys(table, {"of", "says", "claims", "from", "holds"}, "a premise");
-  PaperPremise premise{required_text(table, "of", "a premise"),
-                       required_text(table, "says", "a premise"),
-                       texts_of(table, "claims"),
-                       texts_of(table, "from"),
-                       {}};
-  check_figures(paper, premise.from, table);
+  check_keys(table, {"of", "says", "claims", "from", "metric", "holds"}, "a premise");
+  PaperPremise premise;
+  premise.of = required_text(table, "of", "a premise");
+  premise.says = required_text(table, "says", "a premise");
+  premise.claims = texts_of(table, "claims");
+  premise.from = texts_of(table, "from");
+  premise.metric = text_of(table, "metric");
+  if (premise.from.empty()) throw error_at(table.place, "a premise needs a 'from': the studies that it asks");
+  check_studies(paper, table, "from");
   premise.formula.emplace(required_text(table, "holds", "a premise"), table.find("holds")->place);
   for (const std::string& id : premise.claims) {
     if (std::ranges::find(paper.claims, id, &PaperClaim::id) == paper.claims.end())
@@ -187,28 +231,48 @@ PaperPremise parse_premise(const Table& table, const Paper& paper) {
   return premise;
 }
 
-void parse_manifest(std::string_view text, Paper& paper) {
-  const Table table = parse_toml(text, "paper.toml");
+/// The text of a file of the paper, which is kept; nothing where it is not there.
+std::optional<std::string> text_from(Paper& paper, const std::string& name) {
+  std::optional<std::string> text = paper.files_from.read(name);
+  if (text) paper.files[name] = *text;
+  return text;
+}
+
+std::string required_from(Paper& paper, const std::string& name) {
+  const std::optional<std::string> text = text_from(paper, name);
+  if (!text) throw Error(cat(paper.files_from.folder, ": is no paper: there is no ", paper.files_from.place(name)));
+  return *text;
+}
+
+/// Where each reading stands in paper.toml.
+using ReadingPlaces = std::vector<Place>;
+
+ReadingPlaces parse_manifest(Paper& paper) {
+  const Table table = parse_toml(required_from(paper, "paper.toml"), paper.files_from.place("paper.toml"));
   const Value* schema = table.find("schema");
   if (schema == nullptr || schema->as_int("schema") != 1)
-    throw error_at(table.place, "a paper begins with 'schema = 1'");
+    throw error_at(schema ? schema->place : table.place, "a paper begins with 'schema = 1'");
   check_keys(table, {"schema", "name", "title", "source", "note", "profile", "reading", "figure"}, "a paper");
   paper.name = required_text(table, "name", "a paper");
+  check_file_name(*table.find("name"), "name");
   paper.title = required_text(table, "title", "a paper");
   paper.source = required_text(table, "source", "a paper");
   paper.note = text_of(table, "note");
-  for_each_table(table, "profile", [&](const Table& item) { paper.profiles.push_back(parse_profile(item)); });
-  for_each_table(table, "figure", [&](const Table& item) { paper.figures.push_back(parse_figure(item)); });
+  if (table.contains("profile"))
+    for_each_table(table, "profile", [&](const Table& item) { paper.profiles.push_back(parse_profile(item)); });
+  if (paper.profiles.empty()) paper.profiles = {{"paper", {}, 1.0}, {"quick", 2, 0.1}};
+  for_each_table(table, "figure", [&](const Table& item) { paper.figures.push_back(parse_figure(item, paper)); });
+  ReadingPlaces places;
   for_each_table(table, "reading", [&](const Table& item) {
     paper.readings.push_back(parse_reading(item, paper));
-    check_figures(paper, paper.readings.back().figures, item);
-    for (const auto& [study, file] : paper.readings.back().files) check_figures(paper, {study}, item);
+    places.push_back(item.place);
   });
-  for (const PaperFigure& figure : paper.figures) check_reading(paper, figure.reading, table);
+  for_each_table(table, "figure", [&](const Table& item) { check_reading(paper, item, "reading"); });
+  return places;
 }
 
-void parse_claims(std::string_view text, Paper& paper) {
-  const Table table = parse_toml(text, "claims.toml");
+void parse_claims(Paper& paper, const ReadingPlaces& places) {
+  const Table table = parse_toml(required_from(paper, "claims.toml"), paper.files_from.place("claims.toml"));
   check_keys(table, {"names", "claim", "premise"}, "the claims");
   if (const Value* names = table.find("names")) paper.names = parse_names(names->as_table("names"));
   for_each_table(table, "claim", [&](const Table& item) {
@@ -219,11 +283,21 @@ void parse_claims(std::string_view text, Paper& paper) {
   });
   if (table.contains("premise"))
     for_each_table(table, "premise", [&](const Table& item) { paper.premises.push_back(parse_premise(item, paper)); });
-  for (const PaperReading& reading : paper.readings) {
-    for (const std::string& id : reading.claims) {
+  for (std::size_t r = 0; r < paper.readings.size(); ++r) {
+    for (const std::string& id : paper.readings[r].claims) {
       if (std::ranges::find(paper.claims, id, &PaperClaim::id) == paper.claims.end())
-        throw error_at(table.place, "the reading '", reading.name, "' speaks of ", id, ", which is no claim");
+        throw error_at(places[r], "the reading '", paper.readings[r].name, "' speaks of ", id, ", which is no claim");
     }
+  }
+}
+
+void parse_tables(Paper& paper) {
+  const std::optional<std::string> text = text_from(paper, "tables.csv");
+  if (!text) return;
+  const CsvTable csv(*text, paper.files_from.place("tables.csv"));
+  for (std::size_t i = 0; i < csv.size(); ++i) {
+    paper.tables.push_back(
+        {csv.text(i, "table"), csv.text(i, "row"), csv.text(i, "column"), csv.number(i, "mean"), csv.number(i, "std")});
   }
 }
 
@@ -248,27 +322,33 @@ const PaperFigure* Paper::figure(std::string_view study) const {
   return at == figures.end() ? nullptr : &*at;
 }
 
-Paper parse_paper(const PaperFiles& files) {
+Paper parse_paper(const PaperSource& from) {
   Paper paper;
-  parse_manifest(files.manifest, paper);
-  parse_claims(files.claims, paper);
-  paper.checks = files.checks;
-  const CsvTable csv(files.tables, "tables.csv");
-  for (std::size_t i = 0; i < csv.size(); ++i) {
-    paper.tables.push_back(
-        {csv.text(i, "table"), csv.text(i, "row"), csv.text(i, "column"), csv.number(i, "mean"), csv.number(i, "std")});
-  }
+  paper.asked = from.folder;
+  paper.foreign = true;
+  paper.files_from = from;
+  parse_tables(paper);
+  parse_claims(paper, parse_manifest(paper));
+  paper.checks = text_from(paper, "checks.md").value_or("");
   return paper;
 }
 
 const Paper& paper_at(std::string_view name) {
-  static const Paper paper = parse_paper(
-      {paper_file("paper.toml"), paper_file("claims.toml"), paper_file("tables.csv"), paper_file("checks.md")});
+  static const Paper paper = [] {
+    Paper known = parse_paper(embedded_source());
+    known.asked = known.name;
+    known.foreign = false;
+    return known;
+  }();
   if (name == paper.name) return paper;
   throw Error(cat("there is no reproduction '", name, "'", did_you_mean(name, std::vector<std::string>{paper.name}),
-                  "; it is 'paper'"));
+                  "; it is '", paper.name, "', or a folder with a paper.toml"));
 }
 
-std::string_view paper_study(std::string_view study) { return paper_file(cat(study, ".toml")); }
+Paper open_paper(const std::string& asked) {
+  std::error_code unknown;
+  if (asked != "paper" && std::filesystem::is_directory(asked, unknown)) return parse_paper(folder_source(asked));
+  return paper_at(asked);
+}
 
 }  // namespace gust

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gust/paper/paper_source.h"
 #include "gust/stats/formula.h"
 
 namespace gust {
@@ -78,6 +79,7 @@ struct PaperPremise {
   std::string says;                 ///< a sentence: what the paper had, and we have not
   std::vector<std::string> claims;  ///< by id
   std::vector<std::string> from;    ///< the studies that the formula asks
+  std::string metric;               ///< of score(); empty: that of the first study's margins
   std::optional<Formula> formula;
 
   bool bears_on(const std::string& claim, const TruthPart& part) const;
@@ -90,11 +92,11 @@ struct PrintedValue {
   double deviation = 0;  ///< NaN where the paper has none
 };
 
-/// All that makes the reproduction of a paper: studies/paper, compiled into the program.
+/// All that makes the reproduction of a paper: studies/paper, compiled into the program, or a folder like it.
 struct Paper {
   std::string name, title, source;
-  std::string note;  ///< what to know before one reads the findings; may be empty
-  std::vector<PaperProfile> profiles;
+  std::string note;                    ///< what to know before one reads the findings; may be empty
+  std::vector<PaperProfile> profiles;  ///< the first is what is run unless another is asked for
   std::vector<PaperReading> readings;  ///< the first is the main one
   std::vector<PaperFigure> figures;    ///< in the paper's order
   FormulaNames names;
@@ -103,26 +105,24 @@ struct Paper {
   std::vector<PrintedValue> tables;
   std::string checks;  ///< what else agrees with the paper's authors, as Markdown; may be empty
 
+  std::string asked;                         ///< what `gust reproduce` is given for it: "paper", or its folder
+  bool foreign = false;                      ///< it is not the one in the program
+  PaperSource files_from;                    ///< where its files lie
+  std::map<std::string, std::string> files;  ///< its texts by name: "paper.toml", "white.toml"
+
   const PaperFigure* figure(std::string_view study) const;
   /// Where a reading stands; the main one's place for an empty name.
   std::size_t reading(std::string_view name) const;
 };
 
-/// The texts of a paper.
-struct PaperFiles {
-  std::string_view manifest;     ///< paper.toml
-  std::string_view claims;       ///< claims.toml
-  std::string_view tables;       ///< tables.csv
-  std::string_view checks = {};  ///< checks.md
-};
-
-/// Reads a paper. Throws Error with file, line and column.
-Paper parse_paper(const PaperFiles& files);
+/// Reads paper.toml, claims.toml, the texts of all studies that these name, and tables.csv and checks.md if they are
+/// there. Throws Error with file, line and column.
+Paper parse_paper(const PaperSource& from);
 
 /// The paper that the program knows, by name; an Error with the nearest name otherwise.
 const Paper& paper_at(std::string_view name);
 
-/// The text of one of its studies.
-std::string_view paper_study(std::string_view study);
+/// The same, or the paper of a folder.
+Paper open_paper(const std::string& asked);
 
 }  // namespace gust

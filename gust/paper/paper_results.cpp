@@ -143,19 +143,59 @@ void read_claims(ResultsReader& files, PaperResults& results) {
   }
 }
 
+constexpr const char* kInputs = "inputs";
+
+/// Keeps the files that a paper was made of, so that its results can be read where the paper is not.
+void write_paper(ResultsWriter& files, const Reproduction& reproduction) {
+  const fs::path inputs = kInputs;
+  for (const auto& [name, text] : reproduction.paper->files) files.write(inputs / name, text);
+  for (const ReproductionStudy& part : reproduction.studies) {
+    for (const std::vector<StudyPolicy::File>& found : part.study.found) {
+      for (const StudyPolicy::File& file : found) {
+        const fs::path path = (inputs / file.path).lexically_normal();
+        files.write(path, file.bytes);
+        for (const auto& [name, bytes] : file.data) files.write((path.parent_path() / name).lexically_normal(), bytes);
+      }
+    }
+  }
+}
+
+/// The paper that results were made of: that of the program, or the copy that they keep.
+std::shared_ptr<const Paper> paper_of(const ResultsHead& head, ResultsReader& files) {
+  if (!head.folder) return {std::shared_ptr<const Paper>(), &paper_at(head.paper)};
+  const std::string inputs = cat(kInputs, "/");
+  for (const auto& [name, hash] : head.hashes) {
+    if (name.starts_with(inputs)) files.read(name);
+  }
+  files.check();
+  PaperSource source = folder_source(files.path(kInputs));
+  source.find = [within = source.find, known = head.hashes, inputs](const std::string& pattern, const Place& place) {
+    std::vector<StudyPolicy::File> found = within(pattern, place);
+    std::erase_if(found, [&](const StudyPolicy::File& file) {
+      return !known.contains((fs::path(inputs) / file.path).lexically_normal().generic_string());
+    });
+    return found;
+  };
+  Paper paper = parse_paper(source);
+  paper.asked = *head.folder;
+  return std::make_shared<const Paper>(std::move(paper));
+}
+
 Json description(const PaperResults& results, const Json& hashes) {
   const ReproductionChoice& choice = results.reproduction.choice;
   Json provenance = Json::array();
   for (const auto& [what, value] : results.provenance) provenance.push_back({what, value});
-  return {{"schema", kSchema},
-          {"paper", results.reproduction.paper->name},
-          {"profile", choice.profile},
-          {"only", choice.only},
-          {"seeds", choice.seeds ? Json(*choice.seeds) : Json(nullptr)},
-          {"provenance", provenance},
-          {"failures", results.failures},
-          {"missing", results.missing},
-          {"files", hashes}};
+  const Paper& paper = *results.reproduction.paper;
+  Json json = {{"schema", kSchema}, {"paper", paper.name}};
+  if (paper.foreign) json["folder"] = paper.asked;
+  json["profile"] = choice.profile;
+  json["only"] = choice.only;
+  json["seeds"] = choice.seeds ? Json(*choice.seeds) : Json(nullptr);
+  json["provenance"] = provenance;
+  json["failures"] = results.failures;
+  json["missing"] = results.missing;
+  json["files"] = hashes;
+  return json;
 }
 
 /// The same object with the hash of its content.
@@ -164,34 +204,6 @@ Json hashed(Json json) {
   const std::string hash = hash_hex(json.dump());
   json["hash"] = hash;
   return json;
-}
-
-/// What a folder says of its results, with nothing read yet but this.
-struct Description {
-  PaperResults results;
-  std::map<std::string, std::string> hashes;  ///< of the other files
-};
-
-Description read_description(const fs::path& folder) {
-  const std::string file = (folder / kDescription).string();
-  const std::string bytes = read_file(file);
-  try {
-    const Json json = Json::parse(bytes, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; });
-    if (json.at("schema") != kSchema)
-      throw Error(cat(file, ": was written by another version of gust; choose another folder"));
-    if (json.contains("hash") && json != hashed(json))
-      throw Error(cat(file, ": has changed since it was written; run the reproduction again"));
-    if (!json.at("missing").is_number_unsigned()) throw Error(cat(file, ": 'missing' is no count"));
-    ReproductionChoice choice{json.at("profile"), json.at("only"), {}};
-    if (!json.at("seeds").is_null()) choice.seeds = json.at("seeds").get<std::int64_t>();
-    PaperResults results{open_reproduction(paper_at(json.at("paper").get<std::string>()), choice), {}, {}, {}, {}};
-    results.failures = json.at("failures");
-    results.missing = json.at("missing").get<std::uint64_t>();
-    for (const Json& entry : json.at("provenance")) results.provenance.emplace_back(entry.at(0), entry.at(1));
-    return {std::move(results), json.at("files")};
-  } catch (const Json::exception& error) {
-    throw Error(cat(file, ": is no description of a reproduction: ", problem_of(error)));
-  }
 }
 
 std::string kept_text(const Study& study, const KeptTraces& kept) {
@@ -263,9 +275,32 @@ void reduce_to_tables(PaperResults& results) {
   }
 }
 
-Reproduction read_results_choice(const fs::path& folder) { return read_description(folder).results.reproduction; }
+bool ResultsHead::same_as(const Reproduction& reproduction) const {
+  const Paper& of = *reproduction.paper;
+  return paper == of.name && folder.has_value() == of.foreign && choice == reproduction.choice;
+}
 
-std::uint64_t read_results_missing(const fs::path& folder) { return read_description(folder).results.missing; }
+ResultsHead read_results_head(const fs::path& folder) {
+  const std::string file = (folder / kDescription).string();
+  const std::string bytes = read_file(file);
+  try {
+    const Json json = Json::parse(bytes, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; });
+    if (json.at("schema") != kSchema)
+      throw Error(cat(file, ": was written by another version of gust; choose another folder"));
+    if (json.contains("hash") && json != hashed(json))
+      throw Error(cat(file, ": has changed since it was written; run the reproduction again"));
+    if (!json.at("missing").is_number_unsigned()) throw Error(cat(file, ": 'missing' is no count"));
+    ResultsHead head{json.at("paper"), {}, {json.at("profile"), json.at("only"), {}}, {}, json.at("failures"), 0, {}};
+    if (json.contains("folder")) head.folder = json.at("folder").get<std::string>();
+    if (!json.at("seeds").is_null()) head.choice.seeds = json.at("seeds").get<std::int64_t>();
+    for (const Json& entry : json.at("provenance")) head.provenance.emplace_back(entry.at(0), entry.at(1));
+    head.missing = json.at("missing").get<std::uint64_t>();
+    head.hashes = json.at("files");
+    return head;
+  } catch (const Json::exception& error) {
+    throw Error(cat(file, ": is no description of a reproduction: ", problem_of(error)));
+  }
+}
 
 void write_results(const PaperResults& results, const fs::path& folder) {
   std::error_code error;
@@ -282,6 +317,7 @@ void write_results(const PaperResults& results, const fs::path& folder) {
     for (std::size_t k = 0; shows_episodes(figure) && k < results.summaries[i].kept.size(); ++k)
       files.write(with(stem, cat("-", k + 1, ".json")), kept_text(part.study, results.summaries[i].kept[k]));
   }
+  if (reproduction.paper->foreign) write_paper(files, reproduction);
   files.write(kClaims, claims_csv(results));
   if (results.scores && !results.scores->empty()) {
     files.write("scores.csv", results.scores->index());
@@ -291,8 +327,11 @@ void write_results(const PaperResults& results, const fs::path& folder) {
 }
 
 PaperResults read_results(const fs::path& folder) {
-  auto [results, hashes] = read_description(folder);
-  ResultsReader files(folder, std::move(hashes));
+  const ResultsHead head = read_results_head(folder);
+  ResultsReader files(folder, head.hashes);
+  const std::shared_ptr<const Paper> paper = paper_of(head, files);
+  PaperResults results{open_reproduction(*paper, head.choice), {}, {}, head.failures, head.provenance, head.missing};
+  results.own_paper = paper;
   for (ReproductionStudy& part : results.reproduction.studies) {
     const PaperFigure& figure = results.reproduction.paper->figures[part.figure];
     const fs::path stem = results.reproduction.stem(part);
@@ -306,7 +345,7 @@ PaperResults read_results(const fs::path& folder) {
   }
   read_claims(files, results);
   files.check();
-  return std::move(results);
+  return results;
 }
 
 bool holds_results(const fs::path& folder) {

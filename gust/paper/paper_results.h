@@ -16,6 +16,7 @@ struct PaperResults {
   std::vector<std::pair<std::string, std::string>> provenance;  ///< versions, machine, time; in order
   std::size_t missing = 0;                                      ///< trials that are still to be run
   std::shared_ptr<ScoreLog> scores = nullptr;                   ///< that decided the claims; not read back
+  std::shared_ptr<const Paper> own_paper = nullptr;             ///< reproduction.paper, where it was read from a copy
 
   /// What must stand wherever the numbers appear: that these are fewer steps, seeds or trials than the studies have.
   /// Empty for the full run.
@@ -35,6 +36,7 @@ struct PaperResults {
 ///   READING/STUDY.csv           the cells (cells_csv)
 ///   READING/STUDY-learning.csv  learning curves, of the figures that show them
 ///   READING/STUDY-N.json        episodes for the replay, of the figures that show them
+///   inputs/                     the paper's folder, if it is not the paper in the program
 ///
 /// Reads back what was written, to the bit. Throws Error where a file is missing or another version's.
 void write_results(const PaperResults& results, const std::filesystem::path& folder);
@@ -45,10 +47,20 @@ PaperResults read_results(const std::filesystem::path& folder);
 /// figures alone that show them.
 void reduce_to_tables(PaperResults& results);
 
-/// What the results in a folder are of.
-Reproduction read_results_choice(const std::filesystem::path& folder);
-/// How many known trials had not been run for them.
-std::uint64_t read_results_missing(const std::filesystem::path& folder);
+/// What results say of themselves.
+struct ResultsHead {
+  std::string paper;                  ///< its name
+  std::optional<std::string> folder;  ///< what `gust reproduce` was given for it, if it is not the paper in the program
+  ReproductionChoice choice;
+  std::vector<std::pair<std::string, std::string>> provenance;
+  std::vector<std::string> failures;
+  std::size_t missing = 0;
+  std::map<std::string, std::string> hashes;  ///< of the other files
+
+  /// Whether these are results of the same paper and choice.
+  bool same_as(const Reproduction& reproduction) const;
+};
+ResultsHead read_results_head(const std::filesystem::path& folder);
 
 /// Whether a folder holds the results of a reproduction.
 bool holds_results(const std::filesystem::path& folder);

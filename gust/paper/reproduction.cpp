@@ -9,8 +9,6 @@
 namespace gust {
 namespace {
 
-std::vector<StudyPolicy::File> no_files(const std::string&, const Place&) { return {}; }
-
 template <class Items>
 const typename Items::value_type& item_at(const Items& items, const std::string& name, const char* what) {
   std::vector<std::string> names;
@@ -90,7 +88,9 @@ std::string Reproduction::stem(const ReproductionStudy& study) const {
 }
 
 Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& choice) {
-  Reproduction reproduction{&paper, choice, &item_at(paper.profiles, choice.profile, "profile"), {}};
+  Reproduction reproduction{&paper, choice, &paper.profiles.front(), {}};
+  if (!choice.profile.empty()) reproduction.profile = &item_at(paper.profiles, choice.profile, "profile");
+  reproduction.choice.profile = reproduction.profile->name;
   std::vector<std::string> names;
   for (const PaperFigure& figure : paper.figures) names.push_back(figure.study);
   for (const std::string& name : choice.only) {
@@ -107,15 +107,16 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       const bool changed = std::ranges::find(reading.figures, study) != reading.figures.end();
       if (!wanted(choice, study) || (r > 0 && !changed)) continue;
       const auto other = reading.files.find(study);
-      const std::string name = other == reading.files.end() ? study : other->second;
-      const std::string file = cat("studies/paper/", name, ".toml");
-      const std::string_view text = paper_study(name);
+      const std::string name = cat(other == reading.files.end() ? study : other->second, ".toml");
+      const std::string file = paper.files_from.place(name);
+      const std::string& text = paper.files.at(name);
+      const FindFiles& find = paper.files_from.find;
       std::vector<std::string> settings = reading_settings(reading, study);
-      const Study whole = parse_study(text, file, settings, no_files);
+      const Study whole = parse_study(text, file, settings, find);
       reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
       std::ranges::move(profile_settings(whole, *reproduction.profile, seeds), std::back_inserter(settings));
       if (r > 0 && !shows_margins(paper, f, r)) settings.push_back("evaluate.margin_tolerance=0");
-      reproduction.studies.push_back({r, f, parse_study(text, file, settings, no_files)});
+      reproduction.studies.push_back({r, f, parse_study(text, file, settings, find)});
     }
   }
   return reproduction;

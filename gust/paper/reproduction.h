@@ -8,9 +8,11 @@ namespace gust {
 
 /// What of a paper is to be run.
 struct ReproductionChoice {
-  std::string profile = "paper";
+  std::string profile;                ///< empty: the paper's first one
   std::vector<std::string> only;      ///< names of studies; empty: all
   std::optional<std::int64_t> seeds;  ///< of every training, before the profile's
+
+  bool operator==(const ReproductionChoice&) const = default;
 };
 
 /// One of the paper's studies under a reading that changes it.

@@ -75,10 +75,17 @@ says = "Otherwise."
   constexpr std::string_view kFigure =
       "[[figure]]\nstudy = \"white\"\nplace = \"Figure 3\"\ntitle = \"W\"\nsays = \"N.\"\n";
   constexpr std::string_view kClaims = "[[claim]]\nid = \"C1\"\nfigure = \"white\"\ntext = \"so\"\nholds = \"1 > 0\"\n";
-  constexpr std::string_view kTables = "table,row,column,mean,std,highlighted\n";
   const auto problem = [&](std::string_view reading, std::string_view figure = "") -> std::string {
     try {
-      parse_paper({cat(kHead, reading, kFigure, figure), kClaims, kTables});
+      const std::map<std::string, std::string> files = {{"paper.toml", cat(kHead, reading, kFigure, figure)},
+                                                        {"claims.toml", std::string(kClaims)},
+                                                        {"white.toml", ""},
+                                                        {"x.toml", ""}};
+      const auto read = [&](const std::string& name) -> std::optional<std::string> {
+        const auto at = files.find(name);
+        return at == files.end() ? std::nullopt : std::optional(at->second);
+      };
+      parse_paper({.folder = "p", .read = read, .find = {}});
     } catch (const Error& error) {
       return error.what();
     }

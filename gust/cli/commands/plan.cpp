@@ -104,16 +104,23 @@ void plan_study(const Options& options) {
 }
 
 void plan_paper(const Options& options) {
-  Reproduction reproduction = chosen_reproduction(options.study, options.choice);
+  const Paper paper = open_paper(options.study);
+  Reproduction reproduction = chosen_reproduction(paper, options.choice);
   const std::unique_ptr<Store> store =
-      store_at(StudyFolder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out));
+      store_at(StudyFolder(options.out.empty() ? standard_folder(reproduction) : options.out));
   PlanTeller teller(store.get(), options.json);
   for (ReproductionStudy& part : reproduction.studies) {
-    teller.add(
-        store ? plan_with_store(part.study, *store) : expand(part.study, {}),
-        cat(reproduction.paper->figures[part.figure].place, ", ", reproduction.paper->readings[part.reading].name));
+    teller.add(store ? plan_with_store(part.study, *store) : expand(part.study, {}),
+               cat(paper.figures[part.figure].place, ", ", paper.readings[part.reading].name));
   }
   teller.finish();
+}
+
+/// Whether it is the paper of the program, or a folder that can hold one; a study is a file.
+bool names_paper(const std::string& name) {
+  std::error_code unknown;
+  return std::filesystem::is_directory(name, unknown) ||
+         (name == "paper" && !std::filesystem::is_regular_file(name, unknown));
 }
 
 }  // namespace
@@ -121,7 +128,7 @@ void plan_paper(const Options& options) {
 void command_plan(CLI::App& app, int&) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("plan", "Lists the trials of a study or of a reproduction and runs nothing");
-  command->add_option("STUDY", options->study, "the study, a TOML file; or 'paper'")->required();
+  command->add_option("STUDY", options->study, "the study, a TOML file; or 'paper', or a paper's folder")->required();
   command->add_option("--out", options->out, "result folder (default: ./NAME.gust)")->type_name("DIR");
   command->add_option("--set", options->settings, "replace a value of the study: key=value")->type_name("KEY=VALUE");
   add_choice(*command, options->choice);
@@ -129,12 +136,11 @@ void command_plan(CLI::App& app, int&) {
   command->add_flag("--json", options->json, "as a JSON array");
   command->footer("Examples:\n  gust plan studies/demo.toml\n  gust plan paper --profile quick");
   command->callback([options] {
-    std::error_code unknown;
-    const bool is_paper = options->study == "paper" && !std::filesystem::is_regular_file(options->study, unknown);
+    const bool is_paper = names_paper(options->study);
     if (is_paper && options->prepare) throw Error("--prepare is for a study; 'gust trial' runs no trials of a paper");
     if (is_paper && !options->settings.empty()) throw Error("--set is for a study; a paper has --profile and --seeds");
     const ReproductionChoice& choice = options->choice;
-    if (!is_paper && (!choice.only.empty() || choice.seeds || choice.profile != ReproductionChoice{}.profile))
+    if (!is_paper && (!choice.only.empty() || choice.seeds || !choice.profile.empty()))
       throw Error("--only, --seeds and --profile are for a paper; a study has --set");
     is_paper ? plan_paper(*options) : plan_study(*options);
   });

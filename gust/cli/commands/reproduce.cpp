@@ -89,9 +89,10 @@ void check_folder(const std::filesystem::path& folder, const Reproduction& repro
   if (!std::filesystem::exists(folder, error) || std::filesystem::is_empty(folder, error)) return;
   if (holds_results(folder)) {
     if (claims_only) return;
-    const std::string other = command_text(read_results_choice(folder));
-    if (other == command_text(reproduction)) return;
-    throw Error(cat(folder.string(), ": holds what '", other, "' found; choose another --out"));
+    const ResultsHead other = read_results_head(folder);
+    if (other.same_as(reproduction)) return;
+    throw Error(cat(folder.string(), ": holds what '", command_text(other.folder.value_or(other.paper), other.choice),
+                    "' found; choose another --out"));
   }
   if (!std::filesystem::exists(folder / "store", error) || std::filesystem::exists(folder / "study.toml", error))
     throw Error(cat(folder.string(), ": holds something else; choose another --out"));
@@ -100,15 +101,14 @@ void check_folder(const std::filesystem::path& folder, const Reproduction& repro
 /// Refuses to put what has been run so far over results of more, as of another store.
 void check_progress(const std::filesystem::path& folder, const std::vector<RunOutcome>& outcomes) {
   if (!holds_results(folder)) return;
-  const std::size_t before = read_results_missing(folder), now = still_to_run(outcomes);
+  const std::size_t before = read_results_head(folder).missing, now = still_to_run(outcomes);
   if (now > before)
     throw Error(cat(folder.string(), ": has results that lack ", before, " trials, this store lacks ", now,
                     "; choose another --out"));
 }
 
 /// Adds to what is to be run the studies of claims and figures that are asked for by name.
-void add_asked(const Options& options, ReproductionChoice& choice) {
-  const Paper& paper = paper_at(options.paper);
+void add_asked(const Options& options, const Paper& paper, ReproductionChoice& choice) {
   for (const std::string& id : options.claims) {
     const auto claim = std::ranges::find(paper.claims, id, &PaperClaim::id);
     if (claim == paper.claims.end()) {
@@ -169,10 +169,11 @@ int tell_paper(const Options& options, Reproduction reproduction, const std::vec
 }
 
 int reproduce(Options& options) {
-  add_asked(options, options.choice);
-  Reproduction reproduction = chosen_reproduction(options.paper, options.choice);
+  const Paper paper = open_paper(options.paper);
+  add_asked(options, paper, options.choice);
+  Reproduction reproduction = chosen_reproduction(paper, options.choice);
   check_claims(reproduction);
-  const StudyFolder folder(options.out.empty() ? standard_folder(*reproduction.paper, options.choice) : options.out);
+  const StudyFolder folder(options.out.empty() ? standard_folder(reproduction) : options.out);
   check_folder(folder.path(), reproduction, !options.claims.empty());
   if (!options.so_far) warn_of_plain_products();
   const std::size_t threads = thread_count(options.threads);
@@ -203,33 +204,35 @@ void add_choice(CLI::App& command, ReproductionChoice& choice) {
       ->check(whole_number(between(1, 10'000)))
       ->type_name("N");
   command
-      .add_option("--profile", choice.profile, "of a paper: how much: paper, or quick, a miniature (default: paper)")
+      .add_option("--profile", choice.profile,
+                  "of a paper: how much: paper, or quick, a miniature (default: paper)")
       ->type_name("paper|quick");
 }
 
-Reproduction chosen_reproduction(const std::string& paper, ReproductionChoice choice) {
+Reproduction chosen_reproduction(const Paper& paper, ReproductionChoice choice) {
   std::vector<std::string> once;
   for (const std::string& name : choice.only) {
     if (std::ranges::find(once, name) == once.end()) once.push_back(name);
   }
   choice.only = std::move(once);
-  return open_reproduction(paper_at(paper), choice);
+  return open_reproduction(paper, choice);
 }
 
-std::string standard_folder(const Paper& paper, const ReproductionChoice& choice) {
-  return cat(paper.name, choice.profile == ReproductionChoice{}.profile ? "" : cat("-", choice.profile), ".gust");
+std::string standard_folder(const Reproduction& reproduction) {
+  const Paper& paper = *reproduction.paper;
+  const bool usual = reproduction.profile == &paper.profiles.front();
+  return cat(paper.name, usual ? "" : cat("-", reproduction.profile->name), ".gust");
 }
 
-std::string command_text(const Reproduction& reproduction) {
-  const ReproductionChoice& choice = reproduction.choice;
-  std::string text = cat("gust reproduce ", reproduction.paper->name);
+std::string command_text(const std::string& paper, const ReproductionChoice& choice) {
+  std::string text = cat("gust reproduce ", shell_word(paper));
   for (const std::string& name : choice.only) text += cat(" --only ", name);
   if (choice.seeds) text += cat(" --seeds ", *choice.seeds);
   return cat(text, " --profile ", choice.profile);
 }
 
 std::string write_reproduction(const PaperResults& results, const std::filesystem::path& folder) {
-  const std::string command = command_text(results.reproduction);
+  const std::string command = command_text(results.reproduction.paper->asked, results.reproduction.choice);
   const std::filesystem::path page = folder / "report.html";
   check_output(page, OutputKind::page, "page");
   write_file_atomically(page, render_reproduction(reproduction_page(results, command)));
@@ -240,13 +243,15 @@ std::string write_reproduction(const PaperResults& results, const std::filesyste
 void command_reproduce(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("reproduce", "Runs a paper's studies and decides its claims");
-  command->add_option("PAPER", options->paper, "the paper: 'paper'")->required();
+  command
+      ->add_option("PAPER", options->paper, "the paper: 'paper', or a folder with paper.toml, claims.toml and studies")
+      ->required();
   add_choice(*command, options->choice);
   command->add_option("--claim", options->claims, "run what a claim needs, and tell all its parts; may be repeated")
       ->type_name("ID");
   command->add_option("--figure", options->figures, "a figure by its number in the paper, as --only; may be repeated")
       ->type_name("NUMBER");
-  command->add_option("--out", options->out, "result folder (default: ./paper.gust, or ./paper-quick.gust)")
+  command->add_option("--out", options->out, "result folder (default: ./NAME.gust, or ./NAME-quick.gust)")
       ->type_name("DIR");
   command->add_option("--threads", options->threads, "trials at a time (default: GUST_THREADS, else all cores)")
       ->check(whole_number(between(1, 1024)))
@@ -254,7 +259,8 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   command->add_flag("--so-far", options->so_far, "run nothing: judge what earlier runs have left");
   command->add_flag("--json", options->json, "verdicts as one JSON object");
   command->footer(
-      "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust");
+      "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust\n"
+      "  gust reproduce my-paper");
   command->callback([options, &exit_code] { exit_code = reproduce(*options); });
 }
 

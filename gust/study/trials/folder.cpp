@@ -135,9 +135,8 @@ fs::path StudyFolder::store() const {
   return cache != nullptr && *cache != '\0' ? fs::path(cache) : path_ / "store";
 }
 
-Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& settings) {
-  const fs::path base = file.parent_path();
-  const FindFiles find = [&](const std::string& pattern, const Place& place) {
+FindFiles files_beside(const fs::path& base) {
+  return [base](const std::string& pattern, const Place& place) {
     std::vector<StudyPolicy::File> files;
     std::size_t left = kFoundBytes;
     try {
@@ -156,7 +155,10 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
     }
     return files;
   };
-  return parse_study(read_file(file, kStudyBytes), file.string(), settings, find);
+}
+
+Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& settings) {
+  return parse_study(read_file(file, kStudyBytes), file.string(), settings, files_beside(file.parent_path()));
 }
 
 void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {

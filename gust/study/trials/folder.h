@@ -10,6 +10,9 @@ namespace gust {
 /// Where a run leaves its results unless it is told: ./NAME.gust
 std::string standard_folder(const Study& study);
 
+/// Finds the files of a study's patterns relative to a folder, as the study that lies there means them.
+FindFiles files_beside(const std::filesystem::path& folder);
+
 /// What `gust run` was given.
 struct RunInputs {
   std::string study;  ///< path of the file
