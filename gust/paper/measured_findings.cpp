@@ -232,7 +232,7 @@ void count_noise(const PaperMap& map, const Study& study, const std::vector<Esti
     const Estimate undisturbed = cells[level * levels.size()], without = cells[level],
                    with = cells[level * levels.size() + level];
     if (std::isnan(without.value) || std::isnan(with.value)) continue;
-    if (!asked.insert(cat(training_of(study, map_policy(map, levels[level])), sweep.injection->canonical())).second)
+    if (!asked.insert(cat(training_of(study, map.policy(levels[level])), sweep.injection->canonical())).second)
       continue;
     (level == 0 ? count.clean : count.noisy).push_back(undisturbed.value);
     if (level == 0) continue;

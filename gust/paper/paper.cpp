@@ -110,6 +110,7 @@ PaperReading parse_reading(const Table& table, Paper& paper) {
   reading.median = flag_of(table, "median");
   if (table.contains("claims")) reading.claims = texts_of(table, "claims");
   reading.printed = flag_of(table, "printed");
+  reading.where = table.place;
   check_studies(paper, table, "figures");
   reading.files = parse_files(table, paper);
   if (const Value* instead = table.find("instead")) {
@@ -184,6 +185,7 @@ PaperFigure parse_figure(const Table& table, Paper& paper) {
   figure.metric =
       figure.table.empty() ? text_of(table, "metric") : required_text(table, "metric", "a figure with a table");
   figure.maps = parse_maps(table);
+  figure.where = table.place;
   return figure;
 }
 
@@ -244,10 +246,7 @@ std::string required_from(Paper& paper, const std::string& name) {
   return *text;
 }
 
-/// Where each reading stands in paper.toml.
-using ReadingPlaces = std::vector<Place>;
-
-ReadingPlaces parse_manifest(Paper& paper) {
+void parse_manifest(Paper& paper) {
   const Table table = parse_toml(required_from(paper, "paper.toml"), paper.files_from.place("paper.toml"));
   const Value* schema = table.find("schema");
   if (schema == nullptr || schema->as_int("schema") != 1)
@@ -262,16 +261,11 @@ ReadingPlaces parse_manifest(Paper& paper) {
     for_each_table(table, "profile", [&](const Table& item) { paper.profiles.push_back(parse_profile(item)); });
   if (paper.profiles.empty()) paper.profiles = {{"paper", {}, 1.0}, {"quick", 2, 0.1}};
   for_each_table(table, "figure", [&](const Table& item) { paper.figures.push_back(parse_figure(item, paper)); });
-  ReadingPlaces places;
-  for_each_table(table, "reading", [&](const Table& item) {
-    paper.readings.push_back(parse_reading(item, paper));
-    places.push_back(item.place);
-  });
+  for_each_table(table, "reading", [&](const Table& item) { paper.readings.push_back(parse_reading(item, paper)); });
   for_each_table(table, "figure", [&](const Table& item) { check_reading(paper, item, "reading"); });
-  return places;
 }
 
-void parse_claims(Paper& paper, const ReadingPlaces& places) {
+void parse_claims(Paper& paper) {
   const Table table = parse_toml(required_from(paper, "claims.toml"), paper.files_from.place("claims.toml"));
   check_keys(table, {"names", "claim", "premise"}, "the claims");
   if (const Value* names = table.find("names")) paper.names = parse_names(names->as_table("names"));
@@ -283,10 +277,10 @@ void parse_claims(Paper& paper, const ReadingPlaces& places) {
   });
   if (table.contains("premise"))
     for_each_table(table, "premise", [&](const Table& item) { paper.premises.push_back(parse_premise(item, paper)); });
-  for (std::size_t r = 0; r < paper.readings.size(); ++r) {
-    for (const std::string& id : paper.readings[r].claims) {
+  for (const PaperReading& reading : paper.readings) {
+    for (const std::string& id : reading.claims) {
       if (std::ranges::find(paper.claims, id, &PaperClaim::id) == paper.claims.end())
-        throw error_at(places[r], "the reading '", paper.readings[r].name, "' speaks of ", id, ", which is no claim");
+        throw error_at(reading.where, "the reading '", reading.name, "' speaks of ", id, ", which is no claim");
     }
   }
 }
@@ -328,7 +322,8 @@ Paper parse_paper(const PaperSource& from) {
   paper.foreign = true;
   paper.files_from = from;
   parse_tables(paper);
-  parse_claims(paper, parse_manifest(paper));
+  parse_manifest(paper);
+  parse_claims(paper);
   paper.checks = text_from(paper, "checks.md").value_or("");
   return paper;
 }

@@ -34,6 +34,7 @@ struct PaperReading {
   std::map<std::string, Formula> asks;                  ///< what claims, by id, ask in place of their own formula
   std::vector<std::string> claims;                      ///< those that it bears on; empty: those whose data it changes
   bool printed = false;                                 ///< the paper's own tables instead of measurements
+  Place where;                                          ///< it stands in paper.toml
 };
 
 /// A heat map made of the curves of policies that differ in one level.
@@ -41,6 +42,9 @@ struct PaperMap {
   std::string name;
   std::string policies;  ///< with "{level}" in it
   std::string sweep;
+
+  /// The policy that was trained at a level.
+  std::string policy(double level) const;
 };
 
 /// A figure or table of the paper: a study.
@@ -55,6 +59,7 @@ struct PaperFigure {
   std::vector<PaperMap> maps;
   std::string table;   ///< in tables.csv; empty if it is no table
   std::string metric;  ///< of the table's numbers
+  Place where;         ///< it stands in paper.toml
 };
 
 /// A statement of the paper.

@@ -72,7 +72,68 @@ bool wanted(const ReproductionChoice& choice, const std::string& study) {
   return choice.only.empty() || std::ranges::find(choice.only, study) != choice.only.end();
 }
 
+/// A study's text under the settings of a reading; what is wrong with one of them is told at the reading.
+Study study_under(const Paper& paper, const PaperReading& reading, const std::string& file,
+                  const std::vector<std::string>& settings) {
+  try {
+    return parse_study(paper.files.at(file), paper.files_from.place(file), settings, paper.files_from.find);
+  } catch (const Error& error) {
+    constexpr std::string_view kSetting = "--set ";
+    const std::string_view problem = error.what();
+    if (!problem.starts_with(kSetting)) throw;
+    throw error_at(reading.where, "in ", file, " under '", reading.name, "': ", problem.substr(kSetting.size()));
+  }
+}
+
+std::vector<std::string> names_of(const auto& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  return names;
+}
+
+/// An Error at a figure or reading unless the name is one of its study's.
+void check_has(const Place& where, const Study& study, const std::vector<std::string>& known, const std::string& name,
+               const char* what) {
+  if (std::ranges::find(known, name) == known.end())
+    throw error_at(where, "the study '", study.name, "' has no ", what, " '", name, "'", did_you_mean(name, known));
+}
+
+/// Checks that a study has what its figure draws.
+void check_drawn(const PaperFigure& figure, const Study& study) {
+  if (!figure.table.empty()) {
+    std::vector<std::string> metrics;
+    for (const std::size_t metric : summarised_metrics(study)) metrics.push_back(study.metric_set.name(metric));
+    check_has(figure.where, study, metrics, figure.metric, "metric");
+  }
+  for (const PaperMap& map : figure.maps) {
+    check_has(figure.where, study, names_of(study.sweeps), map.sweep, "sweep");
+    const Sweep& sweep = *std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
+    for (const double level : sweep.axes.front().values)
+      check_has(figure.where, study, names_of(study.policies), map.policy(level), "policy");
+  }
+}
+
+/// Checks that what a reading says of starts is true of some study.
+void check_start(const Reproduction& reproduction, std::size_t reading) {
+  const PaperReading& asked = reproduction.paper->readings[reading];
+  const Study* last = nullptr;
+  for (const PaperFigure& figure : reproduction.paper->figures) {
+    const std::optional<std::size_t> at = reproduction.find(reading, figure.study);
+    if (!at) continue;
+    last = &reproduction.studies[*at].study;
+    const std::vector<std::string> starts = names_of(last->starts);
+    if (std::ranges::find(starts, asked.start) != starts.end()) return;
+  }
+  if (last != nullptr) check_has(asked.where, *last, names_of(last->starts), asked.start, "start");
+}
+
 }  // namespace
+
+std::string PaperMap::policy(double level) const {
+  constexpr std::string_view kLevel = "{level}";
+  std::string name = policies;
+  return name.replace(name.find(kLevel), kLevel.size(), cat(level));
+}
 
 std::optional<std::size_t> Reproduction::find(std::size_t reading, std::string_view study) const {
   const auto at = std::ranges::find_if(studies, [&](const ReproductionStudy& part) {
@@ -107,17 +168,21 @@ Reproduction open_reproduction(const Paper& paper, const ReproductionChoice& cho
       const bool changed = std::ranges::find(reading.figures, study) != reading.figures.end();
       if (!wanted(choice, study) || (r > 0 && !changed)) continue;
       const auto other = reading.files.find(study);
-      const std::string name = cat(other == reading.files.end() ? study : other->second, ".toml");
-      const std::string file = paper.files_from.place(name);
-      const std::string& text = paper.files.at(name);
-      const FindFiles& find = paper.files_from.find;
+      const std::string file = cat(other == reading.files.end() ? study : other->second, ".toml");
       std::vector<std::string> settings = reading_settings(reading, study);
-      const Study whole = parse_study(text, file, settings, find);
+      const Study whole = study_under(paper, reading, file, settings);
       reproduction.fewer_seeds = reproduction.fewer_seeds || (seeds && most_seeds(whole) > *seeds);
       std::ranges::move(profile_settings(whole, *reproduction.profile, seeds), std::back_inserter(settings));
       if (r > 0 && !shows_margins(paper, f, r)) settings.push_back("evaluate.margin_tolerance=0");
-      reproduction.studies.push_back({r, f, parse_study(text, file, settings, find)});
+      reproduction.studies.push_back({r, f, study_under(paper, reading, file, settings)});
     }
+  }
+  for (const PaperFigure& figure : paper.figures) {
+    if (const std::optional<std::size_t> at = reproduction.drawn(figure))
+      check_drawn(figure, reproduction.studies[*at].study);
+  }
+  for (std::size_t r = 0; r < paper.readings.size(); ++r) {
+    if (choice.only.empty() && !paper.readings[r].start.empty()) check_start(reproduction, r);
   }
   return reproduction;
 }

@@ -11,8 +11,6 @@
 namespace gust {
 namespace {
 
-constexpr std::string_view kLevel = "{level}";
-
 Page::Estimate shown(const Estimate& estimate) { return {estimate.value, estimate.low, estimate.high}; }
 
 std::size_t start_named(const Study& study, const std::string& name) {
@@ -210,11 +208,6 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
 
 }  // namespace
 
-std::string map_policy(const PaperMap& map, double level) {
-  std::string name = map.policies;
-  return name.replace(name.find(kLevel), kLevel.size(), cat(level));
-}
-
 std::vector<Estimate> map_cells(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,
                                 std::size_t start) {
   const auto sweep = std::ranges::find(study.sweeps, map.sweep, &Sweep::name);
@@ -222,7 +215,7 @@ std::vector<Estimate> map_cells(const PaperMap& map, const Study& study, const S
   const std::vector<double>& levels = sweep->axes.front().values;
   std::vector<Estimate> cells;
   for (const double level : levels) {
-    const auto policy = std::ranges::find(study.policies, map_policy(map, level), &StudyPolicy::name);
+    const auto policy = std::ranges::find(study.policies, map.policy(level), &StudyPolicy::name);
     if (policy == study.policies.end()) return {};
     const Series* series = summary.find(static_cast<std::size_t>(policy - study.policies.begin()),
                                         static_cast<std::size_t>(sweep - study.sweeps.begin()), start);

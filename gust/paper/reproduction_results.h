@@ -15,9 +15,6 @@ ReproductionPage reproduction_page(const PaperResults& results, const std::strin
 std::vector<ReproductionPage::TableCell> table_of(const Paper& paper, const PaperFigure& figure, const Study& study,
                                                   const Summary& summary);
 
-/// The policy of a map that was trained at a level.
-std::string map_policy(const PaperMap& map, double level);
-
 /// The scores of one map from one start: rows are the levels of the trainings, columns those of the test. Empty where
 /// the study lacks a policy or the sweep.
 std::vector<Estimate> map_cells(const PaperMap& map, const Study& study, const Summary& summary, std::size_t metric,

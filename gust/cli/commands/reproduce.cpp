@@ -204,8 +204,7 @@ void add_choice(CLI::App& command, ReproductionChoice& choice) {
       ->check(whole_number(between(1, 10'000)))
       ->type_name("N");
   command
-      .add_option("--profile", choice.profile,
-                  "of a paper: how much: paper, or quick, a miniature (default: paper)")
+      .add_option("--profile", choice.profile, "of a paper: how much: paper, or quick, a miniature (default: paper)")
       ->type_name("paper|quick");
 }
 
