@@ -50,8 +50,10 @@ std::string capitals(std::string text) {
   return text;
 }
 
-/// What the paper's metric makes of episodes that fail early.
+/// What return over length makes of episodes that fail early.
 std::string early_failure_sentence(const PaperResults& results) {
+  const PaperFinding* words = results.reproduction.paper->finding("early failure");
+  if (words == nullptr) return "";
   std::size_t cells = 0;
   double literal = 0, honest = 0;
   for_each_curve(results, [&](const Study& study, const Series& series) {
@@ -66,11 +68,10 @@ std::string early_failure_sentence(const PaperResults& results) {
   if (cells == 0) return "";
   const auto count = static_cast<double>(cells);
   if (literal < 1.5 * honest) return "";  // then it hides nothing
-  return fmt::format(
-      "Where practically every episode fails ({} cells of policy, waveform, site and level) the paper's return over "
-      "length "
-      "still averages {:.2f}; over the whole horizon it is {:.2f}: the metric hides early failures.",
-      cells, literal / count, honest / count);
+  return filled(*words, {.numbers = {{"cells", cat(cells)},
+                                     {"return_over_length", fmt::format("{:.2f}", literal / count)},
+                                     {"return_over_horizon", fmt::format("{:.2f}", honest / count)}},
+                         .facts = {}});
 }
 
 /// How much of what is injected into actions the actuators cut off, and how much they do undisturbed.
@@ -264,32 +265,36 @@ std::string counts_text(const NoiseCount& count) {
              count.worse_apart, ")");
 }
 
-double mean_of(const std::vector<double>& values) { return aggregate(Statistic::mean, values); }
+std::string mean_text(const std::vector<double>& values) {
+  return fmt::format("{:.2f}", aggregate(Statistic::mean, values));
+}
 
 }  // namespace
 
 std::string training_noise_sentence(const PaperResults& results) {
   const Reproduction& reproduction = results.reproduction;
+  const PaperFinding* words = reproduction.paper->finding("training noise");
   const auto figure = std::ranges::find_if(reproduction.paper->figures, [&](const PaperFigure& each) {
     return !each.maps.empty() && reproduction.drawn(each);
   });
-  if (figure == reproduction.paper->figures.end()) return "";
+  if (words == nullptr || figure == reproduction.paper->figures.end()) return "";
   const std::size_t drawn = *reproduction.drawn(*figure), main = *reproduction.find(0, figure->study);
   const NoiseCount tested = training_noise(results, *figure, drawn, false),
                    near = training_noise(results, *figure, drawn, true),
                    other = training_noise(results, *figure, main, true);
   if (tested.levels == 0 || near.levels == 0) return "";
-  const std::string& name = reproduction.paper->readings.front().name;
-  const bool reversed = 2 * tested.better < tested.levels && 2 * other.better > other.levels;
-  return cat(
-      "Trained with the noise of the test, policies have more return over the horizon than trained without at ",
-      counts_text(tested), " from the start of the paper's tests, and at ", counts_text(near),
-      " from starts like those of the training",
-      drawn == main ? "" : cat("; under ", name, ", on its own levels, at ", counts_text(other)),
-      reversed ? ": as printed under the author's settings, the reverse under the others" : "",
-      fmt::format(". Undisturbed they average {:.2f} from the one start and {:.2f} from the others, those trained "
-                  "without noise {:.2f} and {:.2f}.",
-                  mean_of(tested.noisy), mean_of(near.noisy), mean_of(tested.clean), mean_of(near.clean)));
+  Measured measured{.numbers = {{"tested", counts_text(tested)},
+                                {"near", counts_text(near)},
+                                {"other", counts_text(other)},
+                                {"reading", reproduction.paper->readings.front().name},
+                                {"noisy_tested", mean_text(tested.noisy)},
+                                {"noisy_near", mean_text(near.noisy)},
+                                {"clean_tested", mean_text(tested.clean)},
+                                {"clean_near", mean_text(near.clean)}},
+                    .facts = {}};
+  if (drawn != main) measured.facts.insert("elsewhere");
+  if (2 * tested.better < tested.levels && 2 * other.better > other.levels) measured.facts.insert("reversed");
+  return filled(*words, measured);
 }
 
 std::vector<std::string> measured_findings(const PaperResults& results) {

@@ -11,8 +11,8 @@ namespace gust {
 /// budgets. A sentence each, empty where the data say nothing of it.
 std::vector<std::string> measured_findings(const PaperResults& results);
 
-/// Whether it helps to train with the noise of the test, from the start of the paper's tests and from starts like those
-/// of the training; empty where no figure has maps of it.
+/// Whether it helps to train with the noise of the test, from the first start that is not random and from random ones;
+/// empty where no figure has maps of it, or the paper no words for it.
 std::string training_noise_sentence(const PaperResults& results);
 
 }  // namespace gust

@@ -43,9 +43,14 @@ std::string run_sentence(const PaperResults& results) {
     if (!results.reproduction.paper->readings[verdict.reading].printed) readings.insert(verdict.reading);
   }
   if (trainings.empty()) return "";
-  return cat(counted(trainings.size(), "training", "trainings"), " of ", counted(agents.size(), "agent", "agents"),
-             ", and the regulators, were tested under ", counted(readings.size(), "reading", "readings"),
-             " of the paper.");
+  static const PaperFinding plain{.measure = "trainings",
+                                  .says = "{trainings} of {agents} were tested under {readings} of the paper.",
+                                  .pieces = {}};
+  const PaperFinding* words = results.reproduction.paper->finding("trainings");
+  return filled(words ? *words : plain, {.numbers = {{"trainings", counted(trainings.size(), "training", "trainings")},
+                                                     {"agents", counted(agents.size(), "agent", "agents")},
+                                                     {"readings", counted(readings.size(), "reading", "readings")}},
+                                         .facts = {}});
 }
 
 /// "true in 90 % of resamples of the trainings".

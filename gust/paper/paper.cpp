@@ -168,7 +168,8 @@ std::string parse_table(const Table& table, const Paper& paper) {
 }
 
 PaperFigure parse_figure(const Table& table, Paper& paper) {
-  check_keys(table, {"study", "reading", "place", "title", "says", "note", "shows", "heat", "table", "metric"},
+  check_keys(table,
+             {"study", "reading", "place", "title", "says", "note", "shows", "heat", "table", "metric", "spread"},
              "a figure");
   PaperFigure figure;
   figure.study = required_text(table, "study", "a figure");
@@ -184,6 +185,8 @@ PaperFigure parse_figure(const Table& table, Paper& paper) {
   figure.table = parse_table(table, paper);
   figure.metric =
       figure.table.empty() ? text_of(table, "metric") : required_text(table, "metric", "a figure with a table");
+  if (const Value* spread = table.find("spread")) check_known({"episodes"}, *spread, "spread");
+  figure.over_episodes = table.contains("spread");
   figure.maps = parse_maps(table);
   figure.where = table.place;
   return figure;
@@ -285,6 +288,19 @@ void parse_claims(Paper& paper) {
   }
 }
 
+void parse_findings(Paper& paper) {
+  const std::optional<std::string> text = text_from(paper, "findings.toml");
+  if (!text) return;
+  const Table table = parse_toml(*text, paper.files_from.place("findings.toml"));
+  check_keys(table, {"finding"}, "the findings");
+  for_each_table(table, "finding", [&](const Table& item) {
+    PaperFinding finding = parse_finding(item);
+    if (paper.finding(finding.measure) != nullptr)
+      throw error_at(item.place, "two findings measure '", finding.measure, "'");
+    paper.findings.push_back(std::move(finding));
+  });
+}
+
 void parse_tables(Paper& paper) {
   const std::optional<std::string> text = text_from(paper, "tables.csv");
   if (!text) return;
@@ -311,6 +327,11 @@ std::size_t Paper::reading(std::string_view name) const {
   return at == readings.end() ? 0 : static_cast<std::size_t>(at - readings.begin());
 }
 
+const PaperFinding* Paper::finding(std::string_view measure) const {
+  const auto at = std::ranges::find(findings, measure, &PaperFinding::measure);
+  return at == findings.end() ? nullptr : &*at;
+}
+
 const PaperFigure* Paper::figure(std::string_view study) const {
   const auto at = std::ranges::find(figures, study, &PaperFigure::study);
   return at == figures.end() ? nullptr : &*at;
@@ -324,6 +345,7 @@ Paper parse_paper(const PaperSource& from) {
   parse_tables(paper);
   parse_manifest(paper);
   parse_claims(paper);
+  parse_findings(paper);
   paper.checks = text_from(paper, "checks.md").value_or("");
   return paper;
 }

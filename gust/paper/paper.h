@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gust/paper/finding_words.h"
 #include "gust/paper/paper_source.h"
 #include "gust/stats/formula.h"
 
@@ -57,9 +58,10 @@ struct PaperFigure {
   std::string note;                ///< what to know of ours before one reads it; may be empty
   std::vector<std::string> shows;  ///< parts of the page: "curves", "grids", …
   std::vector<PaperMap> maps;
-  std::string table;   ///< in tables.csv; empty if it is no table
-  std::string metric;  ///< of the table's numbers
-  Place where;         ///< it stands in paper.toml
+  std::string table;           ///< in tables.csv; empty if it is no table
+  std::string metric;          ///< of the table's numbers
+  bool over_episodes = false;  ///< the table's deviations are those of episodes
+  Place where;                 ///< it stands in paper.toml
 };
 
 /// A statement of the paper.
@@ -108,7 +110,8 @@ struct Paper {
   std::vector<PaperClaim> claims;
   std::vector<PaperPremise> premises;
   std::vector<PrintedValue> tables;
-  std::string checks;  ///< what else agrees with the paper's authors, as Markdown; may be empty
+  std::vector<PaperFinding> findings;  ///< words of its own, each of another measurement
+  std::string checks;                  ///< what else agrees with the paper's authors, as Markdown; may be empty
 
   std::string asked;                         ///< what `gust reproduce` is given for it: "paper", or its folder
   bool foreign = false;                      ///< it is not the one in the program
@@ -116,12 +119,14 @@ struct Paper {
   std::map<std::string, std::string> files;  ///< its texts by name: "paper.toml", "white.toml"
 
   const PaperFigure* figure(std::string_view study) const;
+  /// Its words for a measurement; null where it has none.
+  const PaperFinding* finding(std::string_view measure) const;
   /// Where a reading stands; the main one's place for an empty name.
   std::size_t reading(std::string_view name) const;
 };
 
-/// Reads paper.toml, claims.toml, the texts of all studies that these name, and tables.csv and checks.md if they are
-/// there. Throws Error with file, line and column.
+/// Reads paper.toml, claims.toml, the texts of all studies that these name, and tables.csv, findings.toml and checks.md
+/// if they are there. Throws Error with file, line and column.
 Paper parse_paper(const PaperSource& from);
 
 /// The paper that the program knows, by name; an Error with the nearest name otherwise.

@@ -10,8 +10,10 @@ namespace gust {
 
 void check_known(const std::vector<std::string>& known, const Value& value, const char* what) {
   const std::string& name = value.as_text(what);
-  if (std::ranges::find(known, name) == known.end())
-    throw error_at(value.place, "unknown ", what, " '", name, "'", did_you_mean(name, known));
+  if (std::ranges::find(known, name) != known.end()) return;
+  const std::string hint = did_you_mean(name, known);
+  throw error_at(value.place, "unknown ", what, " '", name, "'",
+                 !hint.empty() || known.empty() ? hint : cat("; known are ", join(known, ", ")));
 }
 
 void check_study(const Paper& paper, const Value& value) {

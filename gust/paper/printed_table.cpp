@@ -88,16 +88,17 @@ std::string difference_text(const TableCell& cell) {
   return cat("<b title=\"Our interval leaves out the printed value\">", difference > 0 ? "▲" : "▼", " ", text, "</b>");
 }
 
-std::string cell_row(const TableCell& cell, const Axis& axis) {
+std::string cell_row(const TableCell& cell, bool over_episodes, const Axis& axis) {
   std::string out = cat("<tr><th scope=\"row\">", escaped(cell.column), "</th>");
-  for (const std::string& number : {printed_text(cell.printed), cat(number_text(cell.ours), spread_text(cell)),
-                                    difference_text(cell), number_text(training_range(cell))})
+  for (const std::string& number :
+       {printed_text(cell.printed), cat(number_text(cell.ours), over_episodes ? spread_text(cell) : ""),
+        difference_text(cell), number_text(training_range(cell))})
     out += cat("<td class=\"number\">", number, "</td>");
   return cat(out, "<td class=\"plot\">", micro_plot(cell, axis), "</td></tr>\n");
 }
 
 /// Neighbours of one row's name, under that name.
-std::string group_html(std::span<const TableCell> cells) {
+std::string group_html(std::span<const TableCell> cells, bool over_episodes) {
   Axis axis;
   for (const auto& cell : cells) {
     axis.reach(cell.printed);
@@ -106,7 +107,7 @@ std::string group_html(std::span<const TableCell> cells) {
   }
   std::string out = cat("<tbody><tr class=\"group\"><th colspan=\"6\" scope=\"rowgroup\">", escaped(cells.front().row),
                         "</th></tr>\n");
-  for (const auto& cell : cells) out += cell_row(cell, axis);
+  for (const auto& cell : cells) out += cell_row(cell, over_episodes, axis);
   return out + "</tbody>\n";
 }
 
@@ -144,7 +145,9 @@ std::string printed_table(const ReproductionPage::Figure& figure) {
           " between our least and greatest single training.</p>\n"
           "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The paper’s table beside ours\"><table "
           "class=\"printed\">\n<thead><tr><th scope=\"col\">policy</th><th scope=\"col\" "
-          "class=\"number\">paper <small>± over episodes</small></th><th scope=\"col\" class=\"number\">ours "
+          "class=\"number\">paper <small>±",
+          figure.over_episodes ? " over episodes" : "",
+          "</small></th><th scope=\"col\" class=\"number\">ours "
           "<small>[interval]</small>"
           "</th><th scope=\"col\" class=\"number\">difference</th><th scope=\"col\" class=\"number\">one training "
           "<small>median [least, greatest]</small></th><th scope=\"col\" class=\"plot\"><span "
@@ -154,7 +157,7 @@ std::string printed_table(const ReproductionPage::Figure& figure) {
   for (std::size_t from = 0; from < cells.size();) {
     std::size_t to = from + 1;
     while (to < cells.size() && cells[to].row == cells[from].row) ++to;
-    out += group_html(cells.subspan(from, to - from));
+    out += group_html(cells.subspan(from, to - from), figure.over_episodes);
     from = to;
   }
   return out + "</table></div>\n";

@@ -61,6 +61,7 @@ struct ReproductionPage {
     std::vector<std::string> claims;  ///< ids; each claim belongs to one figure
     std::vector<TableCell> table;     ///< row by row
     std::string table_metric;         ///< what its numbers are
+    bool over_episodes = true;        ///< what it prints as ± is the deviation of episodes, as ours is
     std::vector<std::string> shows;   ///< of chart_kinds(); what the page has no data for is left out
     Page page;                        ///< the charts' data
   };

@@ -186,6 +186,7 @@ ReproductionPage::Figure figure_of(const PaperResults& results, std::size_t inde
   drawn.shows = figure.shows;
   drawn.table = table_of(paper, figure, study, summary);
   drawn.table_metric = figure.metric;
+  drawn.over_episodes = figure.over_episodes;
   drawn.page = study_page(study, summary,
                           {.run_command = "",
                            .folder = cat(figure.study, ".gust"),

@@ -86,9 +86,9 @@ std::string table_text(const ReproductionPage::Figure& figure) {
     if (std::ranges::find(rows, value.row) == rows.end()) rows.push_back(value.row);
     if (std::ranges::find(columns, value.column) == columns.end()) columns.push_back(value.column);
   }
-  std::string text = cat("Printed → ours (", figure.table_metric,
-                         ", mean over seeds [interval]; ± over episodes, as the paper's is; median of single "
-                         "trainings, least to greatest):\n\n|  |");
+  std::string text = cat("Printed → ours (", figure.table_metric, ", mean over seeds [interval]; ",
+                         figure.over_episodes ? "± over episodes, as the paper's is; " : "",
+                         "median of single trainings, least to greatest):\n\n|  |");
   for (const std::string& column : columns) text += cat(" ", cell(column), " |");
   text += "\n| --- |";
   for (std::size_t i = 0; i < columns.size(); ++i) text += " --- |";
@@ -98,9 +98,10 @@ std::string table_text(const ReproductionPage::Figure& figure) {
     for (const std::string& column : columns) {
       const auto at = std::ranges::find_if(
           figure.table, [&](const auto& value) { return value.row == row && value.column == column; });
-      text += at == figure.table.end() ? " |"
-                                       : cat(" ", printed_text(at->printed), " → ", number(at->ours),
-                                             deviation_text(*at), trainings_text(*at), " |");
+      text += at == figure.table.end()
+                  ? " |"
+                  : cat(" ", printed_text(at->printed), " → ", number(at->ours),
+                        figure.over_episodes ? deviation_text(*at) : "", trainings_text(*at), " |");
     }
     text += "\n";
   }

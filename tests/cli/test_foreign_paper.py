@@ -195,6 +195,7 @@ def test_another_paper_of_the_name_does_not_replace_the_results(gust, tmp_path, 
     ("claims.toml", 'id       = "push"', 'id       = "cliff"', "small/claims.toml:14:1: duplicate claim cliff"),
     ("push.toml", 'kind = "lqr"', 'kind = "lqrr"', "small/push.toml:6:"),
     ("push.toml", 'kind = "zero" }', 'kind = "onnx", file = "../net.onnx" }', "small/push.toml:6:"),
+    ("paper.toml", 'metric = "rmse_scg"', 'metric = "rmse_scg"\nspread = "seeds"', "unknown spread 'seeds'; known are episodes"),
     ("tables.csv", "0.4,0.1", "0.4x,0.1", "small/tables.csv:3"),
 ])
 def test_what_is_wrong_in_the_folder_is_told_with_its_place_before_any_work(gust, tmp_path, paper, file, old, new, message):
@@ -202,6 +203,37 @@ def test_what_is_wrong_in_the_folder_is_told_with_its_place_before_any_work(gust
     done = gust("reproduce", "small", code=2, seconds=60)
     assert message in done.stderr and done.stderr.count("\n") == 1 and done.stdout == ""
     assert not list(tmp_path.glob("*.gust"))
+
+
+def test_the_paper_may_have_words_of_its_own(gust, tmp_path, paper, done):
+    assert "2 trainings of 1 agent were tested under 2 readings of the paper." in " ".join(done[1].split())
+    words = paper / "findings.toml"
+    words.write_text('[[finding]]\nmeasure = "trainings"\nsays = "We trained {trainings} ({agents}), for {readings}."\n')
+    assert "We trained 2 trainings (1 agent), for 2 readings." in " ".join(gust("reproduce", "small").stdout.split())
+    shutil.rmtree(paper)
+    gust("report", "small.gust")
+    assert "We trained 2 trainings (1 agent), for 2 readings." in (tmp_path / "small.gust/reproduce.md").read_text()
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    ('measure = "noise"\nsays = "x"', "small/findings.toml:2:11: unknown measurement 'noise'"),
+    ('measure = "trainings"\nsays = "{agent}"', "small/findings.toml:3:8: unknown number of the measurement 'agent'; did you mean"),
+    ('measure = "trainings"', "small/findings.toml:1:1: a finding needs a 'says'"),
+    ('measure = "trainings"\nsays = "x"\n[[finding]]\nmeasure = "trainings"\nsays = "y"',
+     "small/findings.toml:4:1: two findings measure 'trainings'"),
+])
+def test_words_that_nothing_fills_are_told_with_their_place(gust, paper, words, message):
+    (paper / "findings.toml").write_text(f"[[finding]]\n{words}\n")
+    assert message in gust("reproduce", "small", code=2).stderr
+
+
+def test_deviations_are_compared_where_they_are_of_the_same_thing(gust, paper, done):
+    """What a paper prints as ± may be over seeds; ours is over episodes, and told only where the paper's is, too."""
+    ours = re.compile(r"\| as built \| 0\.05 ± 0\.01 → 0\.0\d+ \[[^]]+\] ± 0\.")
+    assert not ours.search((done[0] / "small.gust/reproduce.md").read_text())
+    change(paper / "paper.toml", 'metric = "rmse_scg"', 'metric = "rmse_scg"\nspread = "episodes"')
+    gust("reproduce", "small")
+    assert ours.search((paper.parent / "small.gust/reproduce.md").read_text())
 
 
 @pytest.mark.parametrize("file", ["paper.toml", "claims.toml", "push.toml", "tables.csv"])
