@@ -4,7 +4,7 @@
 
 namespace gust {
 
-/// What the paper leaves open, decided once and passed on as a value.
+/// What the description of an experiment may leave open, decided once and passed on as a value.
 struct Readings {
   std::string effort = "commanded";   ///< which action the reward charges
   std::string saturate = "after";     ///< when the actuator saturates, relative to the action disturbance

@@ -28,7 +28,7 @@ struct MarginRule {
   double confidence = 0.95;  ///< of a margin's interval
 };
 
-/// L50 of the paper's claims: the smallest level of the grid with a score below half the nominal one.
+/// L50: the smallest level of the grid with a score below half the nominal one.
 inline constexpr MarginRule kHalfScore{.fraction = 0.5, .interpolated = false};
 
 /// The smallest level that is looked at below a margin, as a share of the last level.

@@ -10,7 +10,7 @@ import pytest
 from conftest import PROGRAM, ROOT
 
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-PLACEHOLDER = re.compile(r"(?<![A-Za-z_.-])(N|KIND|NAME|AGENT|STUDY|DIR|FILE)\b")
+PLACEHOLDER = re.compile(r"(?<![A-Za-z_.-])(N|KIND|NAME|AGENT|STUDY|DIR|FILE|FOLDER)\b")
 SHORT = {  # what is added to a command so that it takes a moment
     "run studies/": " --set policy.ppo.agent.steps=4000 --set evaluate.episodes=2",
     "run first-look.toml": " --set policy.ppo.agent.steps=4000 --set evaluate.episodes=2",
@@ -82,7 +82,7 @@ def desk(tmp_path_factory):
 def shortened(command):
     if command.startswith("gust run studies/a"):  # every agent, for minutes or hours: here it is enough that it would run
         return command.replace("gust run", "gust plan", 1)
-    if command.startswith("gust reproduce"):  # hours; the figure without trainings takes a moment
+    if command.startswith("gust reproduce paper"):  # hours; the figure without trainings takes a moment
         return re.sub(r" --(only|claim) [\w-]+", "", command) + " --only disturbances"
     added = next((words for start, words in SHORT.items() if command.startswith(f"gust {start}")), "")
     if "--steps" in added:

@@ -257,3 +257,25 @@ def test_misuse_is_told(gust, tmp_path, paper, arguments, message):
     assert message in gust("reproduce", *arguments, code=2, seconds=60).stderr
     assert not list(tmp_path.glob("*.gust"))
     assert sorted(path.name for path in paper.iterdir()) == sorted(path.name for path in SMALL.iterdir())
+
+
+def test_the_worked_example_of_the_documents_runs(gust, tmp_path):
+    text = (ROOT / "docs/extending.md").read_text()
+    blocks = re.findall(r"^```toml\n# (my-paper/\S+)\n(.*?)^```$", text, re.M | re.S)
+    assert [name for name, _ in blocks] == ["my-paper/paper.toml", "my-paper/claims.toml", "my-paper/push.toml"]
+    (tmp_path / "my-paper").mkdir()
+    for name, content in blocks:
+        (tmp_path / name).write_text(content)
+    gust("reproduce", "my-paper")
+    assert {key: row["verdict"] for key, row in verdicts(tmp_path / "my-paper.gust").items()} == {
+        ("push", "as written"): "holds", ("push", "pushed at the tip"): "holds"}
+
+
+def test_the_documents_name_every_key(gust):
+    """What parse_paper takes, as its own errors tell it."""
+    described = (ROOT / "docs/formats.md").read_text()
+    source = (ROOT / "gust/paper/paper.cpp").read_text()
+    lists = re.findall(r"check_keys\(\w+,\s*\{(.*?)\}", source, re.S) + re.findall(r"known = \{(.*?)\};", source, re.S)
+    keys = {key for names in lists for key in re.findall(r'"(\w+)"', names)}
+    assert len(keys) > 30
+    assert {key for key in keys if f"`{key}" not in described and f"[{key}]" not in described} == set()

@@ -259,7 +259,7 @@ void command_reproduce(CLI::App& app, int& exit_code) {
   command->add_flag("--json", options->json, "verdicts as one JSON object");
   command->footer(
       "Examples:\n  gust reproduce paper --profile quick\n  gust reproduce paper --only table-dr --out table-dr.gust\n"
-      "  gust reproduce my-paper");
+      "  gust reproduce FOLDER");
   command->callback([options, &exit_code] { exit_code = reproduce(*options); });
 }
 

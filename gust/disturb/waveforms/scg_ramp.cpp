@@ -45,7 +45,7 @@ struct ScgRamp {
 
 Entry<Waveform> waveform_scg_ramp() {
   return waveform_entry<ScgRamp>(
-      "scg_ramp", "The sawtooth and triangle of the paper's scripts: random steps up to the level, kept over episodes.",
+      "scg_ramp", "A sawtooth or triangle of random steps up to the level, which goes on from episode to episode.",
       "Glossop et al. 2022: the authors' fork of safe-control-gym (experiment/time_varying_dynamics, 256bf8d)");
 }
 

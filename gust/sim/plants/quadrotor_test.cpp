@@ -128,7 +128,7 @@ TEST_CASE("a quadrotor's lane does not depend on its neighbours") {
   for (std::size_t i = 0; i < 12; ++i) CHECK(one.state.at(i, 0) == many.state.at(i, 11));
 }
 
-TEST_CASE("the paper's circle starts at the bottom and is run through once") {
+TEST_CASE("the circle starts at the bottom and is run through once") {
   const auto plant = quadrotor();
   CHECK(plant->spec().references == 251);
   CHECK(plant->spec().observations() == 12);
