@@ -39,7 +39,7 @@ Entry<Metric> metric_entry(std::string name, std::string summary, std::string so
 /// The sum over the time, in control steps as a number.
 inline double steps_of(const EpisodePart& part) { return static_cast<double>(part.steps); }
 
-// The three readings of the paper's root mean squared error (docs/metrics.md 1.2), over the steps of a part.
+// Three ways to make one root mean squared error (docs/metrics.md 1.2), over the steps of a part.
 inline double rmse_all(const EpisodePart& part) { return std::sqrt(part.squared_error / steps_of(part)); }
 inline double rmse_masked(const EpisodePart& part) { return std::sqrt(part.squared_masked_error / steps_of(part)); }
 inline double root_sum(const EpisodePart& part) { return std::sqrt(part.squared_error); }
