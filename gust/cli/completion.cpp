@@ -33,7 +33,7 @@ Words known_words(const std::vector<CatalogueKind>& kinds) {
     for (const CatalogueItem& item : find_kind(kinds, kind).items) list.push_back(item.name);
     return list;
   };
-  for (const char* kind : {"plant", "preset", "waveform", "site"}) words[cat("--", kind)] = names(kind);
+  for (const char* kind : {"plant", "preset", "waveform", "effect", "site"}) words[cat("--", kind)] = names(kind);
   words["--terminate"] = {"yes", "no"};
   words["--start"] = {"nominal", "random"};
   words["--color"] = {"auto", "always", "never"};

@@ -26,7 +26,7 @@ struct Prepared {
 
 /// The options of --set, by what they belong to.
 struct Settings {
-  Table plant, readings, waveform, injection;
+  Table plant, readings, shape, injection;
 };
 
 std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
@@ -40,12 +40,14 @@ Settings read_settings(const EvalRequest& request) {
   Settings settings;
   std::vector<SettingGroup> groups = {{&settings.injection, {"channels", "mask", "start", "end"}},
                                       {&settings.readings, field_names<Readings>()}};
-  if (!request.waveform.empty()) {
-    groups.push_back({&settings.waveform, names_of(waveforms().at(request.waveform, {"--waveform"}).fields)});
-  }
+  if (!request.waveform.empty())
+    groups.push_back({&settings.shape, names_of(waveforms().at(request.waveform, {"--waveform"}).fields)});
+  if (!request.effect.empty())
+    groups.push_back({&settings.shape, names_of(effects().at(request.effect, {"--effect"}).fields)});
   groups.push_back({&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)});
-  sort_settings(request.settings, groups,
-                request.waveform.empty() ? "; options of a waveform need --site, --waveform and --level" : "");
+  sort_settings(
+      request.settings, groups,
+      request.shape().empty() ? "; options of a disturbance need --site, --waveform or --effect, and --level" : "");
   return settings;
 }
 
@@ -58,21 +60,24 @@ Setup prepare_setup(const EvalRequest& request, const Settings& settings) {
 }
 
 std::vector<Injection> prepare_injections(const EvalRequest& request, const Settings& settings, const PlantSpec& spec) {
-  const bool any = !request.site.empty() || !request.waveform.empty() || !request.level.empty();
-  const bool all = !request.site.empty() && !request.waveform.empty() && !request.level.empty();
-  if (any && !all) throw Error("a disturbance needs all of --site, --waveform and --level");
+  if (!request.waveform.empty() && !request.effect.empty())
+    throw Error("--effect: a disturbance has a --waveform or an --effect, not both");
+  const bool any = !request.site.empty() || !request.shape().empty() || !request.level.empty();
+  const bool all = !request.site.empty() && !request.shape().empty() && !request.level.empty();
+  if (any && !all) throw Error("a disturbance needs all of --site, --waveform (or --effect) and --level");
   if (!any && !settings.injection.items.empty()) {
     throw Error(cat("--set: '", settings.injection.items.front().first,
-                    "' belongs to a disturbance: give --site, --waveform and --level"));
+                    "' belongs to a disturbance: give --site, --waveform (or --effect) and --level"));
   }
   std::vector<Injection> injections;
   if (!any) return injections;
-  Table waveform = settings.waveform;
-  waveform.place = {"--set"};
-  waveform.set("kind", {request.waveform, {"--waveform"}});
+  const char* key = request.effect.empty() ? "waveform" : "effect";
+  Table shape = settings.shape;
+  shape.place = {"--set"};
+  shape.set("kind", {request.shape(), {cat("--", key)}});
   Table table = settings.injection;
   table.set("site", {request.site, {"--site"}});
-  table.set("waveform", {waveform, {"--set"}});
+  table.set(key, {shape, {"--set"}});
   table.set("level", value_from_text(request.level, {"--level"}));
   injections.push_back(parse_injection(table, spec));
   return injections;

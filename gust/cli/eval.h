@@ -22,6 +22,7 @@ struct EvalRequest {
   std::string preset = std::string(kStandardPreset);
   std::string start;                    ///< "nominal", "random", or "x,x_dot,…"; of a study one of its starts
   std::string site, waveform, level;    ///< all or none; of a study's grid two levels, "0.5,0.1"
+  std::string effect = {};              ///< in place of a waveform
   std::vector<std::string> settings;    ///< key=value: of the waveform, the injection, the readings or the plant
   std::vector<std::string> parameters;  ///< name=value or name=xfactor: the plant that the policy meets
   std::string observe, act, units;      ///< how a file's policy sees and acts: TOML, or names with commas between
@@ -31,6 +32,9 @@ struct EvalRequest {
 
   /// Whether the policy is a file, whose bytes run_eval takes.
   bool has_file() const { return policy.ends_with(".onnx"); }
+
+  /// The kind of the disturbance, be it a waveform or an effect.
+  const std::string& shape() const { return effect.empty() ? waveform : effect; }
 };
 
 /// One episode of `gust eval`. With `terminate = no` its steps are those of the whole horizon.

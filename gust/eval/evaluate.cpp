@@ -52,7 +52,7 @@ EpisodeStart start_of(const Evaluation& evaluation, const EpisodeIndex& index, S
 /// Whether all episodes of a start are one and the same: nothing in them is drawn.
 bool repeats(const Evaluation& evaluation, std::size_t start) {
   const bool noisy = std::any_of(evaluation.injections.begin(), evaluation.injections.end(),
-                                 [](const Injection& injection) { return injection.waveform->random(); });
+                                 [](const Injection& injection) { return injection.random(); });
   return !noisy && !evaluation.starts[start].random;
 }
 

@@ -49,7 +49,7 @@ Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
   page.unit = sweep.unit(spec);
   if (sweep.injection) {
     page.site = site_name(sweep.injection->site);
-    page.waveform = sweep.injection->waveform.kind;
+    page.waveform = sweep.injection->kind();
   } else {
     const Parameter& parameter = spec.parameters[sweep.axes.front().index];
     page.waveform = parameter.name;

@@ -11,8 +11,9 @@ namespace {
 
 constexpr const char* kAbout =
     "Runs a policy in closed loop and prints what every episode measured.\n\n"
-    "POLICY is a file that ends in .onnx, lqr, pd or zero. A disturbance needs --site, --waveform and --level; --set "
-    "then also takes the waveform's options, channels (names), mask (such as 10), start and end (control steps). "
+    "POLICY is a file that ends in .onnx, lqr, pd or zero. A disturbance needs --site, --waveform (or --effect) and "
+    "--level; --set "
+    "then also takes its options, channels (names), mask (such as 10), start and end (control steps). "
     "--set takes readings (effort, saturate, command_clip, tap_point) and options of the plant as well: the policy "
     "lqr is designed for them. --param changes the plant behind the policy's back: the policy stays what it was.\n\n"
     "--observe, --act and --units are for files that gust did not make: what the policy sees in its order, with sign, "
@@ -53,6 +54,7 @@ void add_options(CLI::App& command, EvalRequest& request) {
   command.add_option("--site", request.site, "where the disturbance enters: observation, action or dynamics")
       ->type_name("SITE");
   command.add_option("--waveform", request.waveform, "its shape (gust list waveforms)")->type_name("KIND");
+  command.add_option("--effect", request.effect, "in place of a waveform (gust list effects)")->type_name("KIND");
   command.add_option("--level", request.level, "what the shape is multiplied by; of a sweep a value on its axis")
       ->type_name("NUMBER");
   command
@@ -86,8 +88,8 @@ void check_options(const CLI::App& command, const EvalRequest& request) {
     if (!request.sweep.empty()) throw Error("--sweep: needs the --study that it belongs to");
     return;
   }
-  for (const char* name : {"--plant", "--preset", "--output", "--site", "--waveform", "--set", "--param", "--observe",
-                           "--act", "--units", "--terminate", "--seed"}) {
+  for (const char* name : {"--plant", "--preset", "--output", "--site", "--waveform", "--effect", "--set", "--param",
+                           "--observe", "--act", "--units", "--terminate", "--seed"}) {
     if (command.get_option(name)->count() > 0) throw Error(cat(name, ": comes from the study; leave it out"));
   }
 }

@@ -143,7 +143,7 @@ Trial search_trial(const Study& study, Trial trial, const Plan& plan) {
                         sweep.injection->canonical(), "\nseed ", study.seed, "\n");
   trial.what = cat("search ", member_label(study.policies[trial.policy], trial.member), " · ", sweep.name);
   trial.seconds = 0.1;
-  name_trial(trial, cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind));
+  name_trial(trial, cat(site_name(sweep.injection->site), " ", sweep.injection->kind()));
   return trial;
 }
 
@@ -169,7 +169,7 @@ std::string starts_text(const Study& study) {
 std::string sweep_label(const Study& study, const Trial& trial) {
   if (trial.sweep == Trial::kNominal) return "nominal";
   const Sweep& sweep = study.sweeps[trial.sweep];
-  if (sweep.along_levels()) return cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind);
+  if (sweep.along_levels()) return cat(site_name(sweep.injection->site), " ", sweep.injection->kind());
   return sweep.axes.size() == 1 ? sweep.axes[0].parameter : cat(sweep.axes[0].parameter, " ", sweep.axes[1].parameter);
 }
 
@@ -296,7 +296,10 @@ void set_levels(Study& study, const FoundLevels& found) {
   for (const auto& [sweep, levels] : found) study.sweeps[sweep].axes.front().values = levels;
 }
 
-double search_limit(Site site) { return site == Site::kObservation ? 12.0 : 60.0; }
+double search_limit(const Injection& injection, const PlantSpec& spec) {
+  if (injection.is_effect()) return injection.effect->limit(spec.control_rate);
+  return injection.site == Site::kObservation ? 12.0 : 60.0;
+}
 
 std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit) {
   static constexpr double kShares[] = {0, 0.25, 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5};

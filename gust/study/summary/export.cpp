@@ -182,7 +182,7 @@ ExportRow export_head(const Study& study, std::size_t policy, std::size_t member
   if (const std::optional<Injection>& injection = sweep.injection) {
     row.site = site_name(injection->site);
     row.channels = channels_text(*injection, spec);
-    row.waveform = injection->waveform.canonical();
+    row.waveform = injection->shape();
     row.window = cat(injection->start, ":", std::min(injection->end, spec.steps));
   }
   if (!sweep.along_levels()) {

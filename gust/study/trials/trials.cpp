@@ -172,7 +172,8 @@ Outcome run_search(const Study& study, const Plan& plan, const Trial& trial, con
   task->evaluation.starts = {nominal_start(study.setup.plant->spec())};
   task->evaluation.episodes = 1;
   task->evaluation.cells = {plain_cell(study, trial, task->injections)};
-  const double level = search_level(task->evaluation, *policy, search_limit(task->injections.back().site));
+  const double limit = search_limit(task->injections.back(), study.setup.plant->spec());
+  const double level = search_level(task->evaluation, *policy, limit);
   TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
   writer.write(kLevelFile, cat(level));
   writer.commit(trial.canonical);
