@@ -17,6 +17,8 @@ struct Written {
   explicit operator bool() const { return value.has_value(); }
   const Value& operator*() const { return *value; }
   const Value* operator->() const { return &*value; }
+  /// Whether both are at the default.
+  bool operator==(const Written& other) const { return !value && !other.value; }
 };
 
 inline void read_value(Written& to, const Value& value, std::string_view, const Range& range) {
