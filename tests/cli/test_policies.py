@@ -136,7 +136,7 @@ def test_study_of_the_bench_is_run_and_its_claim_decided(gust, tmp_path):
 MISTAKES = [
     ('kind = "gian"', "9:8: unknown policy kind 'gian'; did you mean 'gain'?"),
     ('kind = "gain"', "7:1: a gain policy needs a 'k'"),
-    ('kind = "gain"\nk = [[1, 2, 3]]', "10:5: K must be 1 x 4, a row for each action and a column for each of x, x_dot, theta, theta_dot"),
+    ('kind = "gain"\nk = [[1, 2, 3]]', "10:6: K must be 1 x 4, a row for each action and a column for each of x, x_dot, theta, theta_dot"),
     ('kind = "gain"\nk = [[1, 2, nan, 4]]', "10:13: 'k' must be a finite number"),
     ('kind = "gain"\nk = [[1, 2, 3, 4]]\nunits = { theta_dto = "deg/s" }', "11:23: 'units': unknown component 'theta_dto'; did you mean 'theta_dot'?"),
     ('kind = "gain"\nk = [[1, 2, 3, 4]]\nunits = { theta = "degree" }', "11:19: 'degree' is no unit of theta [rad]"),

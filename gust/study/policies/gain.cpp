@@ -10,7 +10,11 @@
 namespace gust {
 namespace {
 
-using Numbers = std::vector<std::vector<double>>;
+/// A row of K as it is written, and where.
+struct Row {
+  std::vector<double> numbers;
+  Place place;
+};
 
 /// The cells of a line, with the column at which each begins.
 std::vector<std::pair<std::string, std::size_t>> cells_of(std::string_view line) {
@@ -31,6 +35,12 @@ bool reads_number(const std::string& text, double& number) {
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const auto [end, failure] = std::from_chars(begin, text.data() + text.size(), number);
   return failure == std::errc{} && end == text.data() + text.size();
+}
+
+/// Whether a cell may be the name of a state with its sign: "theta", "-theta".
+bool begins_name(std::string_view cell) {
+  if (cell.starts_with('-')) cell.remove_prefix(1);
+  return !cell.empty() && ((cell[0] >= 'a' && cell[0] <= 'z') || (cell[0] >= 'A' && cell[0] <= 'Z'));
 }
 
 /// u = u0 - K (x - reference), with K and u0 in units of the user's choice.
@@ -59,7 +69,7 @@ struct Gain final : PolicySource {
     if (k && file) throw error_at(file->place, "'k' and 'file' say the same; give one of them");
     if (!k && !file) throw error_at(context.place, "a gain policy needs a 'k', such as [[-1, -2, 20, 4]], or a 'file'");
     if (observe) columns_ = *observe;
-    const Numbers matrix = file ? read_file(context) : read_matrix();
+    const std::vector<Row> matrix = file ? read_file(context) : read_matrix();
     const NamedUnits named = read_units(units ? &*units : nullptr, spec);
     scale_columns(observed(spec), matrix, named, spec);
     set_rest(named, spec);
@@ -84,27 +94,27 @@ struct Gain final : PolicySource {
 
  private:
   /// One row may stand without the outer brackets.
-  Numbers read_matrix() {
+  std::vector<Row> read_matrix() {
     place_ = k->place;
-    Numbers matrix;
+    std::vector<Row> matrix;
     const Value::List& list = k->as_list("k");
     const bool one = !list.empty() && list.front().is_number();
-    if (one) return {k->as_numbers("k")};
+    if (one) return {{k->as_numbers("k"), k->place}};
     for (const Value& row : list) {
-      std::vector<double>& numbers = matrix.emplace_back();
-      for (const Value& number : row.as_list("k")) numbers.push_back(number.as_number("k"));
+      matrix.push_back({{}, row.place});
+      for (const Value& number : row.as_list("k")) matrix.back().numbers.push_back(number.as_number("k"));
     }
     return matrix;
   }
 
-  Numbers read_file(const PolicyContext& context) {
+  std::vector<Row> read_file(const PolicyContext& context) {
     const std::string& pattern = file->as_text("file");
     const std::vector<StudyFile> found = context.find(pattern, file->place);
     if (found.empty()) throw error_at(file->place, "no file matches '", pattern, "'");
     if (found.size() > 1) throw error_at(file->place, "'", pattern, "' must be one file, got ", found.size());
-    place_ = {found.front().path};
+    place_ = {found.front().path, 1, 1};
     const std::string_view text = utf8_text(found.front().bytes, found.front().path);
-    Numbers matrix;
+    std::vector<Row> matrix;
     std::uint32_t line = 0;
     for (const std::string& record : split_text(text, '\n')) {
       ++line;
@@ -115,17 +125,17 @@ struct Gain final : PolicySource {
     return matrix;
   }
 
-  void read_line(const std::string& record, std::uint32_t line, Numbers& matrix) {
+  void read_line(const std::string& record, std::uint32_t line, std::vector<Row>& matrix) {
     const auto cells = cells_of(record);
     double number = 0;
-    if (matrix.empty() && !named_in_file_ && !reads_number(cells.front().first, number))
-      return read_header(cells, line);
-    std::vector<double>& row = matrix.emplace_back();
+    const bool names = !reads_number(cells.front().first, number) && begins_name(cells.front().first);
+    if (matrix.empty() && !named_in_file_ && names) return read_header(cells, line);
+    matrix.push_back({{}, {place_.name, line, 1}});
     for (const auto& [cell, column] : cells) {
       const Place place{place_.name, line, static_cast<std::uint32_t>(column)};
       if (!reads_number(cell, number)) throw error_at(place, "K must be numbers with commas between, got '", cell, "'");
       if (!std::isfinite(number)) throw error_at(place, "K must be finite numbers, got ", cell);
-      row.push_back(number);
+      matrix.back().numbers.push_back(number);
     }
   }
 
@@ -156,8 +166,8 @@ struct Gain final : PolicySource {
   }
 
   /// K in SI units, a column a state.
-  void scale_columns(const std::vector<ObservedNumber>& numbers, const Numbers& matrix, const NamedUnits& named,
-                     const PlantSpec& spec) {
+  void scale_columns(const std::vector<ObservedNumber>& numbers, const std::vector<Row>& matrix,
+                     const NamedUnits& named, const PlantSpec& spec) {
     check_shape(matrix, numbers, spec);
     const auto rows = static_cast<Eigen::Index>(spec.action.size());
     gain_ = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(spec.state.size()));
@@ -169,23 +179,21 @@ struct Gain final : PolicySource {
       const double scale = numbers[j].scale * named.state[state];
       for (std::size_t i = 0; i < spec.action.size(); ++i)
         gain_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(state)) +=
-            named.action[i].scale * matrix[i][j] * scale;
+            named.action[i].scale * matrix[i].numbers[j] * scale;
     }
   }
 
-  void check_shape(const Numbers& matrix, const std::vector<ObservedNumber>& numbers, const PlantSpec& spec) const {
+  void check_shape(const std::vector<Row>& matrix, const std::vector<ObservedNumber>& numbers,
+                   const PlantSpec& spec) const {
     std::vector<std::string> names;
     for (const ObservedNumber& number : numbers) names.push_back(spec.state[*number.component].name);
     const std::string wanted = cat("K must be ", spec.action.size(), " x ", numbers.size(),
-                                   ", a row for each action and a "
-                                   "column for each of ",
-                                   join(names, ", "));
+                                   ", a row for each action and a column for each of ", join(names, ", "));
     if (matrix.size() != spec.action.size())
       throw error_at(place_, wanted, "; got ", matrix.size(), matrix.size() == 1 ? " row" : " rows");
-    for (std::size_t i = 0; i < matrix.size(); ++i) {
-      if (matrix[i].size() != numbers.size())
-        throw error_at(place_, wanted, "; row ", i + 1, " has ", matrix[i].size(),
-                       matrix[i].size() == 1 ? " number" : " numbers");
+    for (const auto& [row, place] : matrix) {
+      if (row.size() != numbers.size())
+        throw error_at(place, wanted, "; this row has ", row.size(), row.size() == 1 ? " number" : " numbers");
     }
   }
 

@@ -144,8 +144,8 @@ TEST_CASE("a gain that does not fit is told with its place and what would fit") 
   const std::pair<std::string, std::string> mistakes[] = {
       {"", "study.toml:1:1: a gain policy needs a 'k', such as [[-1, -2, 20, 4]], or a 'file'"},
       {"k = [[1, 2, 3]]",
-       "study.toml:2:5: K must be 1 x 4, a row for each action and a column for each of x, x_dot, theta, "
-       "theta_dot; row 1 has 3 numbers"},
+       "study.toml:2:6: K must be 1 x 4, a row for each action and a column for each of x, x_dot, theta, "
+       "theta_dot; this row has 3 numbers"},
       {"k = [[1, 2, 3, 4], [1, 2, 3, 4]]", "; got 2 rows"},
       {"k = [[1, 2, nan, 4]]", "study.toml:2:13: 'k' must be a finite number, got nan"},
       {"k = [[1, 2, \"3\", 4]]", "study.toml:2:13: 'k' must be a number, got text"},
@@ -166,11 +166,17 @@ TEST_CASE("a gain that does not fit is told with its place and what would fit") 
       {"file = \"k.csv\"\nk = [[1, 2, 3, 4]]", "study.toml:2:8: 'k' and 'file' say the same"},
       {"file = \"k.csv\"", "k.csv:2:4: K must be numbers with commas between, got 'two'"},
       {"file = \"nan.csv\"", "nan.csv:1:3: K must be finite numbers, got nan"},
+      {"file = \"short.csv\"",
+       "short.csv:2:1: K must be 1 x 2, a row for each action and a column for each of theta, x; this row has 1 "
+       "number"},
+      {"file = \"empty.csv\"", "empty.csv:1:1: K must be 1 x 4"},
+      {"file = \"spaces.csv\"", "spaces.csv:1:1: K must be numbers with commas between, got '1 2 3 4'"},
       {"file = \"names.csv\"", "names.csv:1:3: 'observe': unknown component 'speed'"},
       {"kp = 3", "study.toml:2:6: unknown key 'kp' in a policy of kind gain"},
   };
   const std::vector<StudyFile> files = {
-      {"k.csv", "# a\n1, two,3,4\n"}, {"nan.csv", "1,nan,3,4\n"}, {"names.csv", "x,speed\n1,2\n"}};
+      {"k.csv", "# a\n1, two,3,4\n"}, {"nan.csv", "1,nan,3,4\n"}, {"names.csv", "x,speed\n1,2\n"},
+      {"short.csv", "theta,x\n1\n"},  {"empty.csv", ""},          {"spaces.csv", "1 2 3 4\n"}};
   for (const auto& [text, wanted] : mistakes) {
     CAPTURE(text);
     const std::string told = complaint_about("kind = \"gain\"\n" + text, setup, files);

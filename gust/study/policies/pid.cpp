@@ -216,6 +216,10 @@ struct Pid final : PolicySource, PidLoop {
     loop.on_measurement = written.derivative == "measurement";
     if (loop.kp == 0 && loop.ki == 0 && loop.kd == 0)
       throw error_at(place, "the loop of ", spec.state[loop.of].name, " does nothing; give it a 'kp', 'ki' or 'kd'");
+    for (const Loop& other : loops_) {
+      if (other.of == loop.of && other.to_action == loop.to_action && other.to == loop.to)
+        throw error_at(place, "two loops are of ", spec.state[loop.of].name, " to the same output; make them one");
+    }
     remember(loop, spec);
     loops_.push_back(loop);
     places_.push_back(place);

@@ -161,6 +161,8 @@ TEST_CASE("a loop that cannot be is told with its place and what would be right"
        "study.toml:2:10: the loop of theta must come after the one that gives its reference"},
       {"loops = [{ of = \"x\", kp = 1, gain = 2 }]",
        "study.toml:2:37: unknown key 'gain' in a loop of a policy of kind pid"},
+      {"loops = [{ of = \"x\", kp = 1 }, { of = \"x\", kd = 1 }]",
+       "study.toml:2:32: two loops are of x to the same output"},
       {"k = [[1, 2, 3, 4]]", "study.toml:2:5: unknown key 'k' in a policy of kind pid"},
   };
   for (const auto& [text, wanted] : mistakes) {
