@@ -32,8 +32,9 @@ struct Example {
 Example example_of(const PolicyKind& kind) {
   std::string refused;
   for (const std::string& plant : plants().names()) {
-    const std::string text =
-        cat("schema = 1\nname = \"example\"\nplant = { kind = \"", plant, "\" }\n", kind.example, "\n");
+    const std::string own = cat("plant = { kind = \"", plant, "\" }\n");
+    const bool said = kind.example.find("plant = ") != std::string::npos;
+    const std::string text = cat("schema = 1\nname = \"example\"\n", said ? "" : own, kind.example, "\n");
     const Setup setup = make_setup(parse_toml(cat("kind = \"", plant, "\""), "plant"));
     const PlantSpec& spec = setup.plant->spec();
     const std::string bytes = network_for(spec.observations(), spec.action.size());

@@ -24,7 +24,7 @@ PolicyKind policy_pd() {
       {"pd",
        "A cascade of two proportional-derivative loops with the gains that the plant knows; the quadrotor has one. It "
        "needs the whole range of the actuators and fails where command_clip = \"box\".",
-       "docs/policies.md 2", "[[policy]]\nname = \"pd\"\nkind = \"pd\""});
+       "docs/policies.md 2", "plant = { kind = \"quadrotor\" }\n\n[[policy]]\nname = \"pd\"\nkind = \"pd\""});
 }
 
 }  // namespace gust
