@@ -163,6 +163,7 @@ Table policy_table(const EvalRequest& request, const PolicyKind& kind, Table tab
     if (text->empty()) continue;
     if (std::ranges::find(keys, key) == keys.end())
       throw Error(cat("--", key, ": is for a policy from a file; '", request.policy, "' is gust's own"));
+    if (table.contains(key)) throw Error(cat("--", key, ": is given by --set as well"));
     table.set(key, setting_value(*text, {cat("--", key)}));
   }
   return table;

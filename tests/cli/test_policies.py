@@ -178,6 +178,7 @@ def test_gain_of_another_plant_is_refused_and_one_of_a_moving_reference_tracks_i
 def test_mistakes_on_the_command_line(gust):
     assert "has to be trained first" in gust("eval", "train", *RANDOM, code=2).stderr
     assert "unknown policy 'piid'; did you mean 'pid'?" in gust("eval", "piid", *RANDOM, code=2).stderr
+    assert "--units: is given by --set as well" in gust("eval", "gain", *RANDOM, "--set", "units=N", "--units", "%", code=2).stderr
     assert "did you mean 'filter'?" in gust("eval", "pid", *RANDOM, "--set", "fliter=1", code=2).stderr
 
 
