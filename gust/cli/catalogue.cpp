@@ -9,6 +9,7 @@
 #include "gust/setup/presets.h"
 #include "gust/setup/setup.h"
 #include "gust/sim/distribution.h"
+#include "gust/study/policies/policy_source.h"
 
 namespace gust {
 namespace {
@@ -98,6 +99,13 @@ std::string agent_of(const Preset& preset) {
       if (has_agent_profile(preset, agent, plant)) return agent;
   }
   throw Bug(cat("the preset ", preset.name, " is of no use"));
+}
+
+CatalogueKind policy_sources() {
+  CatalogueKind kind{"policy", "policies", {}};
+  for (const PolicyKind& entry : policy_kinds())
+    kind.items.push_back({entry.name, entry.summary, entry.source, entry.fields, {}, {}, entry.example});
+  return kind;
 }
 
 CatalogueKind agent_kind() {
@@ -203,8 +211,8 @@ CatalogueKind command_kind(const CLI::App& program) {
 }  // namespace
 
 std::vector<CatalogueKind> catalogue(const CLI::App& program) {
-  return {plant_kind(),  waveform_kind(), effect_kind(), agent_kind(),         distribution_kind(),
-          metric_kind(), preset_kind(),   site_kind(),   command_kind(program)};
+  return {plant_kind(),        policy_sources(), waveform_kind(), effect_kind(), agent_kind(),
+          distribution_kind(), metric_kind(),    preset_kind(),   site_kind(),   command_kind(program)};
 }
 
 const CatalogueKind& find_kind(const std::vector<CatalogueKind>& kinds, std::string_view name) {

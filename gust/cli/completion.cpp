@@ -5,6 +5,7 @@
 #include "gust/cli/catalogue.h"
 #include "gust/cli/command.h"
 #include "gust/core/text.h"
+#include "gust/study/policies/policy_source.h"
 
 namespace gust {
 namespace {
@@ -37,7 +38,9 @@ Words known_words(const std::vector<CatalogueKind>& kinds) {
   words["--terminate"] = {"yes", "no"};
   words["--start"] = {"nominal", "random"};
   words["--color"] = {"auto", "always", "never"};
-  words["eval"] = {"lqr", "pd", "zero"};
+  for (const PolicyKind& kind : policy_kinds()) {
+    if (!kind.trained) words["eval"].push_back(kind.name);
+  }
   words["train"] = names("agent");
   words["help"] = names("command");
   words["completion"] = {"bash", "zsh", "fish"};

@@ -106,7 +106,9 @@ bool fits(const Trace& trace, const PlantSpec& spec, const Evaluation& evaluatio
          trace.failed_at <= static_cast<std::int64_t>(steps) && is(trace.state, spec.state.size(), steps + 1) &&
          is(trace.observation, spec.observations(), steps + 1) && is(trace.commanded, spec.action.size(), steps) &&
          is(trace.disturbed, spec.action.size(), steps) && is(trace.applied, spec.action.size(), steps) &&
-         is(trace.force, spec.force.size(), steps) && static_cast<std::int64_t>(steps) <= spec.steps;
+         is(trace.force, spec.force.size(), steps) &&
+         (trace.memory_of.empty() || is(trace.memory, trace.memory_of.size(), steps)) &&
+         static_cast<std::int64_t>(steps) <= spec.steps;
 }
 
 Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& trace, const TrialEvaluation& task) {
@@ -124,6 +126,7 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   episode.touched_ground = touches_ground(*study.setup.plant, trace);
   episode.commanded = traces_of(spec.action, trace.commanded);
   episode.applied = traces_of(spec.action, trace.applied);
+  episode.memory = traces_of(trace.memory_of, trace.memory);
   add_pushes(episode, Site::kObservation, spec.state, seen_beyond(trace));
   // What the action site added is not recorded by itself where the command was clipped first; the signals are, and
   // where an effect maps the action, what it made of it.
@@ -147,7 +150,7 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   episode.reward = trace.reward;
   if (trace.failed_at >= 0) episode.failed_step = static_cast<std::size_t>(trace.failed_at);
   episode.failure = failure_text(trace, spec);
-  const std::string seed = policy.kind == StudyPolicy::Kind::kTrain ? cat(" seed ", policy.seeds[trial.member]) : "";
+  const std::string seed = policy.training() ? cat(" seed ", policy.member(trial.member)) : "";
   const std::string sweep = trial.sweep == Trial::kNominal ? "undisturbed" : study.sweeps[trial.sweep].name;
   episode.title = cat(policy.name, seed, " · ", sweep);
   return episode;

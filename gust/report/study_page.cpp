@@ -10,19 +10,9 @@
 namespace gust {
 namespace {
 
+/// "lqr", "train ppo": what the reader should know it as.
 std::string kind_text(const StudyPolicy& policy) {
-  switch (policy.kind) {
-    case StudyPolicy::Kind::kLqr:
-      return "lqr";
-    case StudyPolicy::Kind::kPd:
-      return "pd";
-    case StudyPolicy::Kind::kZero:
-      return "zero";
-    case StudyPolicy::Kind::kOnnx:
-      return "onnx";
-    default:
-      return cat("train ", policy.agent.kind);
-  }
+  return policy.training() ? cat(policy.kind, " ", policy.training()->agent.kind) : policy.kind;
 }
 
 Page::Metric page_metric(const std::string& name, const MetricTraits& traits) {

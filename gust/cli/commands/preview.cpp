@@ -163,7 +163,8 @@ std::string preview_always(const Study& study) {
 std::string preview_training(const Study& study) {
   std::string text;
   for (const StudyPolicy& policy : study.policies) {
-    for (const Injection& injection : policy.disturbed) {
+    const PolicyTraining* training = policy.training();
+    for (const Injection& injection : training ? training->disturbed : std::vector<Injection>()) {
       text += cat("\n", indented(cat("while ", policy.name, " trains"), 0),
                   indented(cat(injection.canonical(), "; level ", injection.level), 2));
     }

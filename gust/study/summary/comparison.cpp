@@ -61,7 +61,7 @@ std::shared_ptr<const MarginData> margin_of(const Measurements& measured, const 
 /// Seeds of a policy that has some: trainings, or several files.
 std::size_t seeds_of(const Study& study, std::size_t policy, const OwnedCurve& curve) {
   const StudyPolicy& of = study.policies[policy];
-  return of.kind == StudyPolicy::Kind::kTrain || of.count() > 1 ? curve.cells.front().rows : 0;
+  return of.training() || of.count() > 1 ? curve.cells.front().rows : 0;
 }
 
 std::optional<SweepComparison> compare_along(const Measurements& measured, const PolicyPair& pair, std::size_t sweep) {

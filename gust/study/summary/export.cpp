@@ -154,7 +154,7 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
     if (!stored) continue;
     for (const CurvePoint& point : read_curve(stored->read(kCurveFile), kCurveFile)) {
       database.bind(1, study.policies[trial.policy].name);
-      database.bind(2, study.policies[trial.policy].seeds[trial.member]);
+      database.bind(2, study.policies[trial.policy].training()->seeds[trial.member]);
       database.bind(3, point.steps);
       int column = 3;
       for (const CurveColumn& of_curve : kCurveColumns) database.bind(++column, point.*of_curve.value);

@@ -154,16 +154,6 @@ std::string injection_text(const Injection& injection, const PlantSpec& spec) {
 
 }  // namespace
 
-std::size_t StudyPolicy::count() const {
-  if (kind == Kind::kTrain) return seeds.size();
-  return kind == Kind::kOnnx ? files.size() : 1;
-}
-
-std::string StudyPolicy::member(std::size_t index) const {
-  if (kind == Kind::kTrain) return cat(seeds[index]);
-  return kind == Kind::kOnnx ? files[index].path : std::string();
-}
-
 std::size_t Sweep::cells() const {
   std::size_t cells = 1;
   for (const Axis& axis : axes) cells *= axis.values.size();

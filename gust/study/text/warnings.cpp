@@ -150,12 +150,12 @@ std::vector<std::string> study_warnings(const Study& study) {
   std::vector<std::string> warnings = plant_warnings(study.setup);
   warn_of_injections(study.always, spec, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
-    for (const auto& [copy, original] : policy.copies)
-      warnings.push_back(cat("policy '", policy.name, "': ", copy, " equals ", original,
-                             " byte for byte; the two are one policy and count once"));
-    if (!policy.unit_warning.empty()) warnings.push_back(cat("policy '", policy.name, "': ", policy.unit_warning));
-    warn_of_injections(policy.disturbed, spec, cat("policy '", policy.name, "'"), warnings);
-    for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
+    for (const std::string& warning : policy.source->warnings())
+      warnings.push_back(cat("policy '", policy.name, "': ", warning));
+    const PolicyTraining* training = policy.training();
+    if (training == nullptr) continue;
+    warn_of_injections(training->disturbed, spec, cat("policy '", policy.name, "'"), warnings);
+    for (const std::string& warning : draw_warnings(study.setup, training->randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));
   }
   for (const Sweep& sweep : study.sweeps) {
