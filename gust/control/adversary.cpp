@@ -14,11 +14,11 @@ void adversary_value(const AdversarySite& at, Rows<const double> action, Rows<do
 void step_against(ClosedLoop& loop, Rows<const double> command, Site site, Rows<const double> value) noexcept {
   switch (site) {
     case Site::kDynamics:
-      return loop.step(command, value);
+      return loop.step(command, {.force = value});
     case Site::kAction:
-      return loop.step(command, {}, value);
+      return loop.step(command, {.action = value});
     default:
-      return loop.step(command, {}, {}, value);
+      return loop.step(command, {.observation = value});
   }
 }
 

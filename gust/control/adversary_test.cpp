@@ -73,12 +73,12 @@ TEST_CASE("an adversary pushes at its site, for one step") {
   step_against(pushed, command.view(), Site::kDynamics, rest.view());
   CHECK(pushed.state().at(1, 0) == 0.25);
 
-  ClosedLoop nudged = loop_at_zero(plant);
-  step_against(nudged, command.view(), Site::kAction, filled(1, 0.25).view());
-  CHECK(nudged.applied().at(0, 0) == 1.25);
-  step_against(nudged, command.view(), Site::kAction, filled(1, 5.0).view());
-  CHECK(nudged.disturbed().at(0, 0) == 6.0);
-  CHECK(nudged.applied().at(0, 0) == 4.0);  // the actuator's bound
+  ClosedLoop moved = loop_at_zero(plant);
+  step_against(moved, command.view(), Site::kAction, filled(1, 0.25).view());
+  CHECK(moved.applied().at(0, 0) == 1.25);
+  step_against(moved, command.view(), Site::kAction, filled(1, 5.0).view());
+  CHECK(moved.disturbed().at(0, 0) == 6.0);
+  CHECK(moved.applied().at(0, 0) == 4.0);  // the actuator's bound
 
   ClosedLoop misled = loop_at_zero(plant);
   step_against(misled, command.view(), Site::kObservation, filled(2, 0.25).view());

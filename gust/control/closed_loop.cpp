@@ -33,13 +33,11 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       effort_(effort_from(readings.effort)),
       boxed_(readings.command_clip == "box" || readings.saturate == "before"),
       saturates_(readings.saturate == "after"),
-      injections_(injections),
+      disturber_(injections, plant.spec().steps, lanes),
       lanes_(lanes),
       counter_(lanes, 0),
       failed_(lanes, 0),
       not_finite_(lanes, 0.0),
-      signals_(lanes),
-      factors_(injections.size(), lanes),
       state_(plant.spec().state.size() + plant.spec().hidden, lanes),
       parameters_(filled_rows(Matrix<double>::padded(lanes), nominal_parameters(plant.spec()))),
       goal_(plant.spec().state.size(), lanes),
@@ -53,7 +51,6 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       reward_disturbed_(1, lanes),
       reward_applied_(1, lanes),
       cost_(1, lanes) {
-  for (const Injection& injection : injections) disturbs_[static_cast<int>(injection.site)] = true;
   const std::size_t states = goal_.rows();
   references_.resize(plant.spec().references * states);
   for (std::size_t sample = 0; sample < plant.spec().references; ++sample)
@@ -64,33 +61,27 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
 void ClosedLoop::begin(std::size_t lane, const EpisodeStart& start) {
   const PlantSpec& spec = plant_.spec();
   GUST_CHECK(start.state.size() == spec.state.size() && start.parameters.size() == spec.parameters.size());
-  GUST_CHECK(start.levels.size() == injections_.size() && (injections_.empty() || start.signals));
   counter_[lane] = start.step;
   failed_[lane] = 0;
-  signals_[lane] = start.signals;
-  for (std::size_t i = 0; i < injections_.size(); ++i) factors_.at(i, lane) = injections_[i].factor(start.levels[i]);
+  disturber_.begin(lane, start);
   for (std::size_t i = 0; i < spec.state.size(); ++i) state_.at(i, lane) = start.state[i];
   for (std::size_t i = 0; i < spec.parameters.size(); ++i) parameters_.at(i, lane) = start.parameters[i];
   plant_.begin(state_.view(), lane, start.step > 0);
   for (std::size_t i = 0; i < spec.state.size(); ++i) observation_.at(i, lane) = start.state[i];
   show_references(lane);
-  if (disturbs(Site::kObservation)) add_signals(Site::kObservation, lane, observation_);
+  disturber_.apply(Site::kObservation, counter_[lane], observation_.view(), lane);
 }
 
-void ClosedLoop::step(Rows<const double> command, Rows<const double> push, Rows<const double> nudge,
-                      Rows<const double> lie) noexcept {
+void ClosedLoop::step(Rows<const double> command, const Offsets& offsets) noexcept {
   command_actions(command);
-  disturb_actions(nudge);
+  disturb_actions(offsets.action);
   saturate_actions();
-  draw_forces(push);
+  set_forces(offsets.force);
   plant_.advance({state_.view(), parameters_.view(), applied_.view(), force_.view()});
   for (std::int64_t& counter : counter_) ++counter;
-  aim();
+  set_goal();
   judge();
-  observe();
-  for (std::size_t i = 0; i < lie.rows; ++i) {
-    for (std::size_t lane = 0; lane < lanes_; ++lane) observation_.at(i, lane) += lie.at(i, lane);
-  }
+  observe(offsets.observation);
 }
 
 /// The policy's unit becomes the physical one; with a box (or where saturation comes first) the command is clipped.
@@ -109,16 +100,11 @@ void ClosedLoop::command_actions(Rows<const double> command) noexcept {
   }
 }
 
-void ClosedLoop::disturb_actions(Rows<const double> nudge) noexcept {
+void ClosedLoop::disturb_actions(Rows<const double> offset) noexcept {
   for (std::size_t i = 0; i < disturbed_.rows(); ++i) {
     std::ranges::copy(command_.row(i), disturbed_.row(i).begin());
   }
-  if (disturbs(Site::kAction)) {
-    for (std::size_t lane = 0; lane < lanes_; ++lane) add_signals(Site::kAction, lane, disturbed_);
-  }
-  for (std::size_t i = 0; i < nudge.rows; ++i) {
-    for (std::size_t lane = 0; lane < lanes_; ++lane) disturbed_.at(i, lane) += nudge.at(i, lane);
-  }
+  disturber_.apply(Site::kAction, counter_, disturbed_.view(), offset);
 }
 
 void ClosedLoop::saturate_actions() noexcept {
@@ -131,15 +117,10 @@ void ClosedLoop::saturate_actions() noexcept {
   }
 }
 
-/// Drawn once a control step and held over its substeps.
-void ClosedLoop::draw_forces(Rows<const double> push) noexcept {
+/// Set once a control step and held over its substeps.
+void ClosedLoop::set_forces(Rows<const double> offset) noexcept {
   for (std::size_t i = 0; i < force_.rows(); ++i) std::ranges::fill(force_.row(i), 0.0);
-  if (disturbs(Site::kDynamics)) {
-    for (std::size_t lane = 0; lane < lanes_; ++lane) add_signals(Site::kDynamics, lane, force_);
-  }
-  for (std::size_t i = 0; i < push.rows; ++i) {
-    for (std::size_t lane = 0; lane < lanes_; ++lane) force_.at(i, lane) += push.at(i, lane);
-  }
+  disturber_.apply(Site::kDynamics, counter_, force_.view(), offset);
 }
 
 /// State `sample` of the reference, which stands still at its end.
@@ -150,7 +131,7 @@ std::span<const double> ClosedLoop::reference(std::int64_t sample) const noexcep
 }
 
 /// What the state after the step is compared with.
-void ClosedLoop::aim() noexcept {
+void ClosedLoop::set_goal() noexcept {
   if (plant_.spec().references == 1) return;
   const auto lag = static_cast<std::int64_t>(plant_.spec().reference_lag);
   for (std::size_t lane = 0; lane < lanes_; ++lane) {
@@ -190,7 +171,7 @@ void ClosedLoop::judge() noexcept {
     for (std::size_t lane = 0; lane < lanes_; ++lane) {
       const double value = state_.at(i, lane);
       const bool inside = value >= spec.fail_low[i] && value <= spec.fail_high[i] && std::isfinite(value);
-      failed_[lane] |= static_cast<std::uint8_t>(!inside);  // no number is never inside
+      failed_[lane] |= static_cast<std::uint8_t>(!inside);  // NaN is never inside
     }
   }
 }
@@ -219,26 +200,12 @@ void ClosedLoop::charge(Rows<const double> action, std::span<double> reward) con
   });
 }
 
-void ClosedLoop::observe() noexcept {
+void ClosedLoop::observe(Rows<const double> offset) noexcept {
   for (std::size_t i = 0; i < goal_.rows(); ++i) std::ranges::copy(state_.row(i), observation_.row(i).begin());
   if (plant_.spec().horizon > 0) {
     for (std::size_t lane = 0; lane < lanes_; ++lane) show_references(lane);
   }
-  if (!disturbs(Site::kObservation)) return;
-  for (std::size_t lane = 0; lane < lanes_; ++lane) add_signals(Site::kObservation, lane, observation_);
-}
-
-/// Adds every disturbance of a site to one lane, in the order in which the study lists them.
-void ClosedLoop::add_signals(Site site, std::size_t lane, Matrix<double>& to) const noexcept {
-  const auto last = static_cast<std::int64_t>(plant_.spec().steps);
-  const std::int64_t k = std::min(counter_[lane], last);
-  for (std::size_t i = 0; i < injections_.size(); ++i) {
-    if (injections_[i].site != site) continue;
-    const double factor = factors_.at(i, lane);
-    for (std::size_t c = 0; c < injections_[i].factors.size(); ++c) {
-      to.at(c, lane) += factor * signals_[lane]->channel(i, c)[k];
-    }
-  }
+  disturber_.apply(Site::kObservation, counter_, observation_.view(), offset);
 }
 
 std::vector<double> nominal_parameters(const PlantSpec& spec) {

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <span>
 
+#include "gust/control/disturber.h"
 #include "gust/control/readings.h"
-#include "gust/disturb/injection.h"
 #include "gust/sim/plant.h"
 
 namespace gust {
@@ -12,13 +11,12 @@ namespace gust {
 /// Which action the reward charges; see Readings.
 enum class Effort { kCommanded, kDisturbed, kApplied };
 
-/// How an episode begins: true state, plant parameters, and what disturbs it.
-struct EpisodeStart {
-  std::vector<double> state;               ///< visible components
-  std::vector<double> parameters;          ///< in the order of the plant's spec
-  std::vector<double> levels;              ///< one per injection
-  std::shared_ptr<const Signals> signals;  ///< shared: many lanes meet the same noise at their own levels
-  std::int64_t step = 0;                   ///< control steps that lie before; the plant is then in motion
+/// What is added at the sites beside the disturbances, in physical units: an adversary's share, or one that was
+/// recorded. Absent rows are zero.
+struct Offsets {
+  Rows<const double> observation = {};  ///< to the state part of the observation after the step
+  Rows<const double> action = {};
+  Rows<const double> force = {};
 };
 
 /// A batch of episodes, one a lane, stepped together: the only place where plant, disturbance and command meet.
@@ -32,11 +30,8 @@ class ClosedLoop {
   /// Puts a lane at the start of an episode; its first observation is there afterwards.
   void begin(std::size_t lane, const EpisodeStart& start);
 
-  /// One control step of every lane with these commands (actions x lanes, in the policy's unit). `push` is added to
-  /// the dynamics disturbance, `nudge` to the action disturbance and `lie` to the state part of the observation after
-  /// the step [physical units]: an adversary's share.
-  void step(Rows<const double> command, Rows<const double> push = {}, Rows<const double> nudge = {},
-            Rows<const double> lie = {}) noexcept;
+  /// One control step of every lane with these commands (actions x lanes, in the policy's unit).
+  void step(Rows<const double> command, const Offsets& offsets = {}) noexcept;
 
   const Plant& plant() const { return plant_; }
   std::size_t lanes() const { return lanes_; }
@@ -64,7 +59,7 @@ class ClosedLoop {
   std::span<const double> reward_disturbed() const { return reward_disturbed_.row(0); }
   /// 0 if the last command was finite, else the NaN or infinity in it.
   double not_finite_command(std::size_t lane) const { return not_finite_[lane]; }
-  /// Whether the true state has left the safe set in the last step, or is no number any more.
+  /// Whether the true state has left the safe set in the last step, or is not finite.
   bool failed(std::size_t lane) const { return failed_[lane]; }
   /// Whether the plant has touched the ground since its episode began.
   bool touched_ground(std::size_t lane) const {
@@ -73,31 +68,26 @@ class ClosedLoop {
 
  private:
   void command_actions(Rows<const double> command) noexcept;
-  void disturb_actions(Rows<const double> nudge) noexcept;
+  void disturb_actions(Rows<const double> offset) noexcept;
   void saturate_actions() noexcept;
-  void draw_forces(Rows<const double> push) noexcept;
+  void set_forces(Rows<const double> offset) noexcept;
   void judge() noexcept;
   void charge(Rows<const double> action, std::span<double> reward) const noexcept;
-  void observe() noexcept;
+  void observe(Rows<const double> offset) noexcept;
   void show_references(std::size_t lane) noexcept;
-  void aim() noexcept;
+  void set_goal() noexcept;
   std::span<const double> reference(std::int64_t sample) const noexcept;
-  bool disturbs(Site site) const noexcept { return disturbs_[static_cast<int>(site)]; }
-  void add_signals(Site site, std::size_t lane, Matrix<double>& to) const noexcept;
 
   const Plant& plant_;
   Effort effort_;
   bool boxed_;      // the command is clipped to its box before anything is added
   bool saturates_;  // the disturbed sum is clipped to the actuator's bounds
-  std::span<const Injection> injections_;
+  Disturber disturber_;
   std::size_t lanes_;
   std::vector<double> references_;  // state by state
-  bool disturbs_[std::size(kSites)] = {};
   std::vector<std::int64_t> counter_;
   std::vector<std::uint8_t> failed_;
   std::vector<double> not_finite_;
-  std::vector<std::shared_ptr<const Signals>> signals_;
-  Matrix<double> factors_;  // injections x lanes
   Matrix<double> state_, parameters_, goal_, observation_;
   Matrix<double> command_, commanded_, disturbed_, applied_, force_;
   Matrix<double> reward_commanded_, reward_disturbed_, reward_applied_, cost_;

@@ -160,20 +160,25 @@ TEST_CASE("a step at offset 2 acts in the third control step, and shows in the o
   CHECK(noise == std::vector<double>{0, 0, 0, 100, 100});
 }
 
-TEST_CASE("an adversary's push and nudge are added to the disturbances of their sites") {
+TEST_CASE("offsets are added to the disturbances of their sites") {
   const AdderPlant plant;
   const std::vector<Injection> injections = constant_everywhere();
   ClosedLoop loop(plant, Readings{}, injections, 1);
   loop.begin(0, start_at_zero(plant, injections, {0.0, 0.5, 1.0}));
   const Matrix<double> command(1, 1, 0.5);
-  const Matrix<double> push(1, 1, 2.0);
-  const Matrix<double> nudge(1, 1, -0.25);
+  const Matrix<double> force_offset(1, 1, 2.0);
+  const Matrix<double> action_offset(1, 1, -0.25);
+  const Matrix<double> observation_offset(1, 1, 10.0);
 
-  loop.step(command.view(), push.view(), nudge.view());
+  loop.step(command.view(),
+            {.observation = observation_offset.view(), .action = action_offset.view(), .force = force_offset.view()});
 
   CHECK(loop.disturbed().at(0, 0) == 1.25);
   CHECK(loop.force().at(0, 0) == 3.0);
   CHECK(loop.commanded().at(0, 0) == 1.0);
+  CHECK(loop.state().at(0, 0) == 1.25);
+  CHECK(loop.observation().at(0, 0) == 11.25);
+  CHECK(loop.observation().at(1, 0) == 3.0);
 }
 
 TEST_CASE("noise scales linearly with the level, lane by lane, from one shared signal") {
@@ -196,7 +201,7 @@ TEST_CASE("noise scales linearly with the level, lane by lane, from one shared s
   }
 }
 
-TEST_CASE("failure is judged on the true state, strictly, and no number has failed") {
+TEST_CASE("failure is judged on the true state, strictly, and NaN has failed") {
   const AdderPlant plant;
   std::vector<Injection> injections;
   injections.push_back(disturbance(Site::kObservation, waveform("constant"), 2));

@@ -151,11 +151,11 @@ void check_order(const Recording& recording, const Stretch& at, Validation& resu
     }
   }
   const Matrix<double> command = cut(recording.command, at.first + 1, at.lanes);
-  const Matrix<double> push = cut(recording.force, at.first + 1, at.lanes);
-  const Matrix<double> nudge =
+  const Matrix<double> force_offset = cut(recording.force, at.first + 1, at.lanes);
+  const Matrix<double> action_offset =
       difference(cut(recording.disturbed, at.first + 1, at.lanes), cut(recording.physical, at.first + 1, at.lanes));
 
-  loop.step(command.view(), push.view(), nudge.view());
+  loop.step(command.view(), {.action = action_offset.view(), .force = force_offset.view()});
 
   for (std::size_t lane = 0; lane < at.lanes; ++lane) judge_lane(recording, loop, lane, at.first + 1 + lane, result);
 }
@@ -177,9 +177,9 @@ void check_loop(const Recording& recording, Validation& result) {
     }
     for (std::size_t i = states; i < seen.rows(); ++i) seen.at(i, 0) = loop.observation().at(i, 0);
     policy->act(seen.view(), loop.steps_done(), command.view());
-    const Matrix<double> push = cut(recording.force, k + 1, 1);
-    const Matrix<double> nudge = cut(action_noise, k + 1, 1);
-    loop.step(command.view(), push.view(), nudge.view());
+    const Matrix<double> force_offset = cut(recording.force, k + 1, 1);
+    const Matrix<double> action_offset = cut(action_noise, k + 1, 1);
+    loop.step(command.view(), {.action = action_offset.view(), .force = force_offset.view()});
     for (std::size_t i = 0; i < states; ++i) {
       result.closed_loop[i].take(loop.state().at(i, 0) - recording.state.at(i, k + 1), k + 1);
     }
