@@ -43,7 +43,7 @@ Settings read_settings(const EvalRequest& request) {
   if (!request.waveform.empty()) {
     groups.push_back({&settings.waveform, names_of(waveforms().at(request.waveform, {"--waveform"}).fields)});
   }
-  groups.push_back({&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)});
+  groups.push_back({&settings.plant, names_of(plant_fields(request.plant, {"--plant"}))});
   sort_settings(request.settings, groups,
                 request.waveform.empty() ? "; options of a waveform need --site, --waveform and --level" : "");
   return settings;
@@ -53,11 +53,11 @@ Setup prepare_setup(const EvalRequest& request, const Settings& settings) {
   Table plant = settings.plant;
   plant.place = {"--plant"};
   plant.set("kind", {request.plant, {"--plant"}});
-  plant.set("preset", {request.preset, {"--preset"}});
+  set_preset(plant, request.preset, {"--preset"});
   return make_setup(plant, &settings.readings);
 }
 
-std::vector<Injection> prepare_injections(const EvalRequest& request, const Settings& settings, const PlantSpec& spec) {
+std::vector<Injection> prepare_injections(const EvalRequest& request, const Settings& settings, const Interface& spec) {
   const bool any = !request.site.empty() || !request.waveform.empty() || !request.level.empty();
   const bool all = !request.site.empty() && !request.waveform.empty() && !request.level.empty();
   if (any && !all) throw Error("a disturbance needs all of --site, --waveform and --level");
@@ -80,7 +80,7 @@ std::vector<Injection> prepare_injections(const EvalRequest& request, const Sett
 
 /// The parameters of the plant that the policy meets. Each must be one that the plant could have been made with.
 std::vector<double> prepare_parameters(const EvalRequest& request, const Settings& settings, const Setup& setup) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   std::vector<double> values = nominal_parameters(spec);
   std::vector<std::string> names;
   for (const Parameter& parameter : spec.parameters) names.push_back(parameter.name);
@@ -103,29 +103,30 @@ std::vector<double> prepare_parameters(const EvalRequest& request, const Setting
 }
 
 /// "x,x_dot,…": a number for every state of the plant.
-StartProtocol explicit_start(const std::string& text, const PlantSpec& spec) {
+StartProtocol explicit_start(const std::string& text, const LoopSource& source) {
   const Value value = value_from_text(text, {"--start"});
-  std::vector<std::string> names;
-  for (const Component& component : spec.state) names.push_back(component.name);
-  if (std::holds_alternative<std::string>(value.data)) {
-    const std::vector<std::string> words = {"nominal", "random"};
-    throw Error(
-        cat("--start: must be nominal, random or ", join(names, ","), ", got '", text, "'", did_you_mean(text, words)));
+  std::vector<std::string> names, words;
+  for (const Component& component : source.spec().state) names.push_back(component.name);
+  for (const StartProtocol& start : source.starts()) words.push_back(start.name);
+  if (names.empty() || std::holds_alternative<std::string>(value.data)) {
+    const std::string state = names.empty() ? "" : cat(" or ", join(names, ","));
+    throw Error(cat("--start: must be ", join(words, ", "), state, ", got '", text, "'", did_you_mean(text, words)));
   }
   StartProtocol start{text, false, value.as_numbers("start")};
   if (start.state.size() == names.size()) return start;
   throw Error(cat("--start: must have ", names.size(), " numbers (", join(names, ","), "), got ", start.state.size()));
 }
 
-StartProtocol named_start(const std::string& text, const PlantSpec& spec) {
-  if (text.empty() || text == "nominal") return nominal_start(spec);
-  if (text == "random") return random_starts();
-  return explicit_start(text, spec);
+StartProtocol named_start(const std::string& text, const LoopSource& source) {
+  std::vector<StartProtocol> starts = source.starts();
+  if (text.empty()) return std::move(starts.front());
+  const auto named = std::ranges::find(starts, text, &StartProtocol::name);
+  return named != starts.end() ? std::move(*named) : explicit_start(text, source);
 }
 
-StartProtocol prepare_start(const std::string& text, const PlantSpec& spec) {
-  StartProtocol start = named_start(text, spec);
-  if (const std::string complaint = start_complaint(start, spec); !complaint.empty())
+StartProtocol prepare_start(const std::string& text, const LoopSource& source) {
+  StartProtocol start = named_start(text, source);
+  if (const std::string complaint = source.start_complaint(start); !complaint.empty())
     throw Error(cat("--start: ", complaint));
   return start;
 }
@@ -134,16 +135,18 @@ Prepared prepare(const EvalRequest& request) {
   const Settings settings = read_settings(request);
   Prepared prepared;
   prepared.setup = prepare_setup(request, settings);
-  const PlantSpec& spec = prepared.setup.plant->spec();
+  const Interface& spec = prepared.setup.plant->spec();
   prepared.injections = prepare_injections(request, settings, spec);
   prepared.cell.parameters = prepare_parameters(request, settings, prepared.setup);
   for (const Injection& injection : prepared.injections) prepared.cell.levels.push_back(injection.level);
-  prepared.start = prepare_start(request.start, spec);
+  prepared.start = prepare_start(request.start, *prepared.setup.plant);
   prepared.episodes = checked_episodes(request, prepared.start.random ? 25 : 1);
   if (request.terminate != "yes" && request.terminate != "no") {
     throw Error(cat("--terminate: must be yes or no, got '", request.terminate, "'"));
   }
   prepared.terminate = request.terminate == "yes";
+  if (!prepared.terminate && !spec.goes_on)
+    throw Error("--terminate: must be yes: the plant tells nothing after a failure");
   return prepared;
 }
 
@@ -165,10 +168,11 @@ FilePolicy prepare_policy(const EvalRequest& request, const Setup& setup, std::s
 }
 
 /// The hint if most episodes, which nothing disturbs, end within a second.
-std::string failure_note(const std::string& policy, const std::vector<EvalRow>& rows, const PlantSpec& spec) {
-  const std::size_t time = MetricSet().first(MetricRole::failure_time);
-  const auto early = std::ranges::count_if(
-      rows, [&](const EvalRow& row) { return row.failed && row.not_finite.empty() && row.metrics[time] <= kAtOnce; });
+std::string failure_note(const std::string& policy, const std::vector<EvalRow>& rows, const Interface& spec) {
+  const std::optional<std::size_t> time = MetricSet(spec).first(MetricRole::failure_time);
+  const auto early = std::ranges::count_if(rows, [&](const EvalRow& row) {
+    return time && row.failed && row.not_finite.empty() && row.metrics[*time] <= kAtOnce;
+  });
   const std::string failure = failure_hint_text(static_cast<std::size_t>(early), rows.size());
   return failure.empty() ? failure : cat(policy, ": ", failure, interface_hint(spec));
 }
@@ -206,29 +210,28 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
           .applies = {},
           .initial_state = start_state(evaluation, index),
           .final_state = part.final_state,
-          .not_finite = action ? not_finite_text(*action, evaluation.plant->spec()) : std::string()};
+          .not_finite = action ? not_finite_text(*action, evaluation.source->spec()) : std::string()};
 }
 
 EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data) {
   const Prepared prepared = prepare(request);
   for (const std::string& warning : plant_warnings(prepared.setup)) tell(cat("warning: ", warning));
   const FilePolicy file = prepare_policy(request, prepared.setup, policy_bytes, data);
-  const PlantSpec& spec = prepared.setup.plant->spec();
+  const Interface& spec = prepared.setup.plant->spec();
   for (const std::string& warning : wave_warnings(prepared.injections, spec)) tell(cat("warning: ", warning));
-  const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
-                              .readings = prepared.setup.readings,
+  const Evaluation evaluation{.source = prepared.setup.plant.object.get(),
                               .injections = prepared.injections,
                               .cells = {prepared.cell},
                               .starts = {prepared.start},
                               .episodes = prepared.episodes,
                               .root = Rng(static_cast<std::uint64_t>(request.seed))};
-  const MetricSet metric_set;
-  EvalResult result;
+  EvalResult result{.metrics = MetricSet(spec), .two_efforts = prepared.setup.plant->plant() != nullptr};
+  const MetricSet& metric_set = result.metrics;
   std::vector<EvalRow>& rows = result.rows;
   evaluate(evaluation, *file.policy, [&](const EpisodeIndex& index, const Episode& episode) {
     rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
     rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
-    rows.back().applies = metric_set.applying(evaluation.plant->spec());
+    rows.back().applies = metric_set.applying(evaluation.source->spec());
   });
   result.notes.push_back(file.unit_warning);
   const bool undisturbed = prepared.injections.empty() && request.parameters.empty();

@@ -41,7 +41,7 @@ Settings read_settings(const TrainRequest& request) {
   of_agent.push_back("curve");
   const SettingGroup groups[] = {{&settings.agent, of_agent},
                                  {&settings.readings, field_names<Readings>()},
-                                 {&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)}};
+                                 {&settings.plant, names_of(plant_fields(request.plant, {"--plant"}))}};
   sort_settings(request.settings, groups, cat(" (gust describe agent ", request.agent, ")"));
   if (const Value* randomise = settings.agent.find("randomise")) settings.randomise = *randomise;
   settings.agent.erase("randomise");
@@ -52,7 +52,7 @@ Settings read_settings(const TrainRequest& request) {
   if (request.steps) settings.agent.set("steps", {*request.steps, {"--steps"}});
   settings.plant.place = {"--plant"};
   settings.plant.set("kind", {request.plant, {"--plant"}});
-  settings.plant.set("preset", {request.preset, {"--preset"}});
+  set_preset(settings.plant, request.preset, {"--preset"});
   return settings;
 }
 
@@ -65,8 +65,9 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   if (is_stream(out_)) throw Error(cat("--out: '", out_, "' is no regular file; choose another"));
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
+  const Plant& plant = setup_.equations("a training", {"--plant"});
   agent_ = make_agent(settings.agent, setup_);
-  agent_->check(setup_.plant->spec(), {"gust train"});
+  agent_->check(plant.spec(), {"gust train"});
   if (settings.randomise) randomised_ = parse_randomise(*settings.randomise, setup_);
   const std::string drawn = randomised_.canonical(setup_.plant->spec());
   identity_ =
@@ -75,8 +76,7 @@ TrainingRun::TrainingRun(const TrainRequest& request)
                    drawn, settings.curve_as_trained ? "\ncurve training" : ""));
   remove_left_aside(checkpoint_);
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
-  training_ = agent_->start(
-      {setup_.plant.object.get(), setup_.readings, {}, seed_, randomised_.draws, settings.curve_as_trained});
+  training_ = agent_->start({&plant, setup_.readings, {}, seed_, randomised_.draws, settings.curve_as_trained});
   resume();
 }
 
@@ -107,7 +107,7 @@ TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::functio
   return failed ? End::failed : End::done;
 }
 
-double TrainingRun::predicted_seconds() const { return training_seconds(*agent_.object, setup_.plant->spec()); }
+double TrainingRun::predicted_seconds() const { return training_seconds(*agent_.object, *setup_.plant); }
 
 double TrainingRun::last_score() const {
   const std::vector<CurvePoint>& curve = training_->curve();

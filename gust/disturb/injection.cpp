@@ -109,15 +109,23 @@ Site site_from(std::string_view name, const Place& place) {
   throw error_at(place, "unknown site '", name, "'", did_you_mean(name, names), "; sites are ", join(names, ", "));
 }
 
-const std::vector<Component>& channels_of(Site site, const PlantSpec& spec) {
+const std::vector<Component>& channels_of(Site site, const Interface& spec) {
   switch (site) {
     case Site::kObservation:
-      return spec.state;
+      return spec.measured();
     case Site::kAction:
       return spec.action;
     default:
       return spec.force;
   }
+}
+
+std::vector<std::string> sites_of(const Interface& spec) {
+  std::vector<std::string> names;
+  for (const Site site : kSites) {
+    if (!channels_of(site, spec).empty()) names.emplace_back(site_name(site));
+  }
+  return names;
 }
 
 std::string Injection::canonical() const {
@@ -126,7 +134,7 @@ std::string Injection::canonical() const {
   return cat(site_name(site), " ", waveform.canonical(), " channels ", canonical_text(factors), " during ", window);
 }
 
-Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also) {
+Injection read_injection(const Table& table, const Interface& spec, const std::vector<std::string>& also) {
   std::vector<std::string> known = {"site", "waveform", "channels", "mask", "start", "end", "level"};
   known.insert(known.end(), also.begin(), also.end());
   check_keys(table, known, "a disturbance");
@@ -139,6 +147,9 @@ Injection read_injection(const Table& table, const PlantSpec& spec, const std::v
   injection.site = site_from(site->as_text("site"), site->place);
   injection.waveform = read_waveform(*waveform);
   const std::vector<std::string> names = names_of(channels_of(injection.site, spec));
+  if (names.empty())
+    throw error_at(site->place, "the plant has no site '", site_name(injection.site), "'; its sites are ",
+                   join(sites_of(spec), ", "));
   injection.factors.assign(names.size(), 1.0);
   if (const Value* channels = table.find("channels")) injection.factors = read_channels(*channels, names);
   if (const Value* mask = table.find("mask")) injection.factors = read_mask(*mask, names.size());
@@ -157,7 +168,7 @@ Injection read_injection(const Table& table, const PlantSpec& spec, const std::v
   return injection;
 }
 
-Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode, const WaveHistory& history)
+Signals::Signals(std::span<const Injection> injections, const Interface& spec, Rng episode, const WaveHistory& history)
     : length_(static_cast<std::size_t>(spec.steps) + 1) {
   std::size_t channels = 0;
   for (const Injection& injection : injections) {

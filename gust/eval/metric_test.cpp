@@ -116,5 +116,37 @@ TEST_CASE("an unknown metric is an error with the nearest name") {
                        doctest::Contains("study.toml:3:4: unknown metric 'survivel'; did you mean 'survival'?"), Error);
 }
 
+TEST_CASE("a loop that tells rewards alone has the metrics of rewards and of the length") {
+  Interface spec;
+  spec.tells_effort = spec.fails = spec.goes_on = false;
+  const MetricSet metrics(spec);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < metrics.size(); ++i) names.push_back(metrics.name(i));
+  std::ranges::sort(names);
+
+  CHECK(names == std::vector<std::string>{"anr", "anr_h", "anr_pooled", "length", "return_sum"});
+  CHECK_FALSE(metrics.first(MetricRole::survival));
+  CHECK(metrics.name_of(MetricRole::survival).empty());
+  CHECK_THROWS_WITH_AS(
+      metrics.index("rmse_paper", {"s.toml", 1, 2}),
+      "s.toml:1:2: the metric 'rmse_paper' is not applicable: the plant tells no goal, nothing after a "
+      "failure",
+      Error);
+}
+
+TEST_CASE("the axis of a mean of rewards is the range of a reward, where it has one") {
+  const MetricSet metrics;
+  const MetricTraits& mean = metrics[metrics.index("anr_h", {})].traits();
+  const MetricTraits& share = metrics[metrics.index("saturation", {})].traits();
+  Interface spec;
+
+  CHECK(axis_of(mean, spec).high == 1);
+  spec.reward = {-16.5, 0};
+  CHECK(axis_of(mean, spec).low == -16.5);
+  spec.reward = {};
+  CHECK(std::isnan(axis_of(mean, spec).low));
+  CHECK(axis_of(share, spec).high == 1);
+}
+
 }  // namespace
 }  // namespace gust

@@ -177,6 +177,7 @@ struct Page {
     std::vector<std::pair<std::string, double>> geometry;  // pole_length (half) [m], x_limit [m], action_limit [N]
     double rate = 50.0;                                    // control steps a second
     std::vector<Trace> states;                             // the true ones; cart-pole: x, x_dot, theta, theta_dot
+    bool observed = false;                                 // nobody knows them: these are what the policy saw
     std::vector<Trace> reference;                          // what a moving reference asked for; like states, or empty
     std::vector<Trace> commanded;                          // actions of the policy, physical units
     std::vector<Trace> applied;                            // after disturbance and saturation

@@ -86,54 +86,70 @@ bool touches_ground(const Plant& plant, const Trace& trace) {
   return false;
 }
 
+/// What a site's disturbances added, from their signals.
+Matrix<double> added_at(Site site, std::size_t channels, const Trace& trace, const TrialEvaluation& task) {
+  Matrix<double> added(channels, trace.reward.size());
+  if (task.injections.empty()) return added;
+  const std::shared_ptr<const Signals> signals = episode_signals(task.evaluation, trace.index);
+  for (std::size_t i = 0; i < task.injections.size(); ++i) {
+    if (task.injections[i].site != site) continue;
+    const double factor = task.injections[i].factor(task.evaluation.cells[trace.index.cell].levels[i]);
+    for (std::size_t c = 0; c < added.rows(); ++c) {
+      for (std::size_t k = 0; k < added.lanes(); ++k) added.at(c, k) += factor * signals->channel(i, c)[k];
+    }
+  }
+  return added;
+}
+
+/// What only a plant with equations of motion has.
+void add_plant(Page::Episode& episode, const Plant& plant, const Trace& trace, const SweepCell& cell) {
+  const PlantSpec& spec = plant.spec();
+  episode.geometry = geometry_of(cell, spec);
+  if (spec.references > 1) episode.reference = traces_of(spec.state, reference_of(plant, trace.state.lanes()));
+  episode.touched_ground = touches_ground(plant, trace);
+  episode.failure = failure_text(trace, spec);
+}
+
 /// Whether a trace has the shape that an episode of this evaluation has: what is read from a file may be anything.
-bool fits(const Trace& trace, const PlantSpec& spec, const Evaluation& evaluation) {
+bool fits(const Trace& trace, const Interface& spec, const Evaluation& evaluation) {
   const std::size_t steps = trace.reward.size();
   const auto is = [](const Matrix<double>& matrix, std::size_t rows, std::size_t lanes) {
-    return matrix.rows() == rows && matrix.lanes() == lanes;
+    return matrix.rows() == rows && (rows == 0 || matrix.lanes() == lanes);
   };
   const EpisodeIndex& index = trace.index;
+  const std::size_t actions = spec.tells_effort ? spec.action.size() : 0;
   return steps > 0 && index.cell < evaluation.cells.size() && index.start < evaluation.starts.size() &&
          index.episode >= 0 && index.episode < evaluation.episodes && trace.failed_at >= -1 &&
          trace.failed_at <= static_cast<std::int64_t>(steps) && is(trace.state, spec.state.size(), steps + 1) &&
-         is(trace.observation, spec.observations(), steps + 1) && is(trace.commanded, spec.action.size(), steps) &&
-         is(trace.applied, spec.action.size(), steps) && is(trace.force, spec.force.size(), steps) &&
+         is(trace.observation, spec.observations(), steps + 1) && is(trace.commanded, actions, steps) &&
+         is(trace.applied, actions, steps) && is(trace.force, spec.force.size(), steps) &&
          static_cast<std::int64_t>(steps) <= spec.steps;
 }
 
 Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& trace, const TrialEvaluation& task) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   const StudyPolicy& policy = study.policies[trial.policy];
   Page::Episode episode;
   episode.policy = trial.policy;
   episode.start = trace.index.start;
   episode.plant = study.setup.plant.kind;
-  episode.geometry = geometry_of(task.evaluation.cells[trace.index.cell], spec);
   episode.rate = spec.control_rate;
-  episode.states = traces_of(spec.state, trace.state);
-  if (spec.references > 1)
-    episode.reference = traces_of(spec.state, reference_of(*study.setup.plant, trace.state.lanes()));
-  episode.touched_ground = touches_ground(*study.setup.plant, trace);
-  episode.commanded = traces_of(spec.action, trace.commanded);
-  episode.applied = traces_of(spec.action, trace.applied);
-  add_pushes(episode, Site::kObservation, spec.state, seen_beyond(trace));
-  // What the action site added is not recorded by itself where the command was clipped first; the signals are.
-  if (!task.injections.empty()) {
-    const std::shared_ptr<const Signals> signals = episode_signals(task.evaluation, trace.index);
-    Matrix<double> added(spec.action.size(), trace.applied.lanes());
-    for (std::size_t i = 0; i < task.injections.size(); ++i) {
-      if (task.injections[i].site != Site::kAction) continue;
-      const double factor = task.injections[i].factor(task.evaluation.cells[trace.index.cell].levels[i]);
-      for (std::size_t c = 0; c < added.rows(); ++c) {
-        for (std::size_t k = 0; k < added.lanes(); ++k) added.at(c, k) += factor * signals->channel(i, c)[k];
-      }
-    }
-    add_pushes(episode, Site::kAction, spec.action, added);
-  }
+  episode.observed = spec.state.empty();
+  episode.states =
+      episode.observed ? traces_of(spec.measured(), trace.observation) : traces_of(spec.state, trace.state);
+  if (trace.commanded.rows() > 0) episode.commanded = traces_of(spec.action, trace.commanded);
+  if (trace.applied.rows() > 0) episode.applied = traces_of(spec.action, trace.applied);
+  if (const Plant* plant = study.setup.plant->plant())
+    add_plant(episode, *plant, trace, task.evaluation.cells[trace.index.cell]);
+  // What was added is the difference to the true state where that is what is measured; else the signals tell it. At the
+  // action it is not recorded by itself where the command was clipped first.
+  const bool measures_state = !spec.state.empty() && spec.observation.empty();
+  add_pushes(episode, Site::kObservation, spec.measured(),
+             measures_state ? seen_beyond(trace) : added_at(Site::kObservation, spec.measured().size(), trace, task));
+  add_pushes(episode, Site::kAction, spec.action, added_at(Site::kAction, spec.action.size(), trace, task));
   add_pushes(episode, Site::kDynamics, spec.force, trace.force);
   episode.reward = trace.reward;
   if (trace.failed_at >= 0) episode.failed_step = static_cast<std::size_t>(trace.failed_at);
-  episode.failure = failure_text(trace, spec);
   const std::string seed = policy.kind == StudyPolicy::Kind::kTrain ? cat(" seed ", policy.seeds[trial.member]) : "";
   const std::string sweep = trial.sweep == Trial::kNominal ? "undisturbed" : study.sweeps[trial.sweep].name;
   episode.title = cat(policy.name, seed, " · ", sweep);

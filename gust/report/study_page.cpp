@@ -25,9 +25,10 @@ std::string kind_text(const StudyPolicy& policy) {
   }
 }
 
-Page::Metric page_metric(const std::string& name, const MetricTraits& traits) {
+Page::Metric page_metric(const std::string& name, const MetricTraits& traits, const Interface& spec) {
   const std::string unit = traits.unit.empty() ? "" : cat(" [", traits.unit, "]");
-  return {name, cat(traits.title, unit), metrics().at(name).summary, traits.low, traits.high};
+  const Limits axis = axis_of(traits, spec);
+  return {name, cat(traits.title, unit), metrics().at(name).summary, axis.low, axis.high};
 }
 
 /// What names a cell to `gust eval --study`.
@@ -42,7 +43,7 @@ std::string middle_of(const Sweep& sweep) {
 }
 
 Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   Page::Sweep page;
   page.name = sweep.name;
   page.levels = sweep.axes.front().values;
@@ -100,7 +101,7 @@ class PageWriter {
   void head(const PageContext& context) {
     page_.name = study_.name;
     page_.question = study_.question;
-    page_.plant = cat(study_.setup.plant.kind, ", ", study_.setup.preset);
+    page_.plant = cat(study_.setup.plant.kind, study_.setup.preset.empty() ? "" : ", ", study_.setup.preset);
     page_.warnings = context.warnings;
     for (std::string& warning : study_warnings(study_)) page_.warnings.push_back(std::move(warning));
     std::ranges::copy(summary_.notes, std::back_inserter(page_.warnings));
@@ -125,7 +126,7 @@ class PageWriter {
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::string& name = study_.metric_set.name(metrics_[i]);
       const MetricTraits& traits = study_.metric_set[metrics_[i]].traits();
-      page_.metrics.push_back(page_metric(name, traits));
+      page_.metrics.push_back(page_metric(name, traits, study_.setup.plant->spec()));
       if (traits.role == MetricRole::survival) page_.survival_metric = i;
       if (traits.role == MetricRole::saturation) page_.saturation_metric = i;
       if (metrics_[i] == summary_.margin_metric) page_.margin_metric = i;

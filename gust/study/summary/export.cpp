@@ -25,14 +25,14 @@ ExportRow head_of(const Study& study, const Trial& trial) {
   const StudyPolicy& policy = study.policies[trial.policy];
   ExportRow row;
   row.plant = study.setup.plant.kind;
-  row.preset = study.setup.preset;
-  row.readings = canonical_fields(study.setup.readings);
+  row.preset = study.setup.preset.empty() ? "none" : study.setup.preset;
+  row.readings = study.setup.preset.empty() ? "none" : study.setup.readings_text();
   row.policy = policy.name;
   row.seed = policy.member(trial.member);
   for (std::string* text : {&row.sweep, &row.site, &row.channels, &row.waveform, &row.window}) *text = "none";
   if (trial.sweep == Trial::kNominal) return row;
   const Sweep& sweep = study.sweeps[trial.sweep];
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   row.sweep = sweep.name;
   row.site = "parameters";
   if (const std::optional<Injection>& injection = sweep.injection) {

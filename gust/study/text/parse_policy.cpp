@@ -33,10 +33,11 @@ std::vector<double> weights(const Table& table, const char* key, const std::vect
 
 void parse_lqr(const Table& table, const Study& study, StudyPolicy& policy) {
   check_keys(table, {"name", "kind", "q", "r"}, "an lqr policy");
-  const LqrWeights standard = reward_weights(study.setup.plant->spec());
+  const Plant& plant = study.setup.equations("lqr", table.find("kind")->place);
+  const LqrWeights standard = reward_weights(plant.spec());
   policy.weights = {weights(table, "q", standard.q, non_negative), weights(table, "r", standard.r, positive)};
   try {
-    lqr_gain(*study.setup.plant, policy.weights);
+    lqr_gain(plant, policy.weights);
   } catch (const Error& error) {
     throw error_at(table.place, error.what());
   }
@@ -117,6 +118,7 @@ std::vector<std::int64_t> parse_seeds(const Value& value) {
 
 void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
   check_keys(table, {"name", "kind", "agent", "seeds", "alpha"}, "a policy to train");
+  const Plant& plant = study.setup.equations("a training", table.find("kind")->place);
   const Value* agent = table.find("agent");
   if (agent == nullptr)
     throw error_at(table.place, "a policy to train needs an 'agent', such as agent = { kind = \"ppo\" }");
@@ -135,7 +137,7 @@ void parse_train(const Table& table, const Study& study, StudyPolicy& policy) {
   }
   if (const Value* kind = options.find("kind")) agents().at(kind->as_text("kind"), kind->place);
   policy.agent = make_agent(options, study.setup);
-  policy.agent->check(study.setup.plant->spec(), agent->place);
+  policy.agent->check(plant.spec(), agent->place);
   policy.alpha = parse_level(table);
   check_level(policy, table);
   policy.seeds = {1};
@@ -155,9 +157,7 @@ StudyPolicy parse_policy(const Table& table, const Study& study, const FindFiles
       break;
     case Kind::kPd:
       check_keys(table, {"name", "kind"}, "a pd policy");
-      if (!study.setup.plant->spec().cascade) {
-        throw error_at(table.place, "the plant ", study.setup.plant.kind, " has no policy 'pd'; try lqr or zero");
-      }
+      pd_policy(study.setup, table.place);
       break;
     case Kind::kZero:
       check_keys(table, {"name", "kind"}, "a zero policy");

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "gust/control/cascade.h"
-#include "gust/control/closed_loop.h"
 #include "gust/control/lqr.h"
 #include "gust/core/text.h"
 
@@ -18,7 +17,7 @@ std::string names_of(const std::vector<Component>& components) {
 }
 
 void check_sizes(const OnnxModel& model, std::string_view name, const Setup& setup, const PolicyUse& use) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   const std::size_t observed = use.interface.observe.size();
   if (observed > 0 && model.observations() != observed) {
     throw Error(cat(name, ": the policy takes ", model.observations(), " numbers; 'observe' gives ", observed));
@@ -58,15 +57,15 @@ void check_metadata(const OnnxModel& model, std::string_view name, const Setup& 
 /// unit.
 std::string beyond_box(Policy& policy, const Setup& setup) {
   constexpr std::size_t kStarts = 100;
-  const PlantSpec& spec = setup.plant->spec();
-  ClosedLoop loop(*setup.plant, setup.readings, {}, kStarts);
+  const Interface& spec = setup.plant->spec();
+  const std::unique_ptr<Loop> loop = setup.plant->make({}, kStarts);
   for (std::size_t lane = 0; lane < kStarts; ++lane)
-    loop.begin(lane, {.state = random_start(spec, Rng(0).split("unit").split(lane)),
-                      .parameters = nominal_parameters(spec),
-                      .levels = {},
-                      .signals = nullptr});
+    loop->begin(lane, {.state = setup.plant->start_state(random_starts(), Rng(0).split("unit").split(lane)),
+                       .parameters = nominal_parameters(spec),
+                       .levels = {},
+                       .signals = nullptr});
   Matrix<double> action(spec.action.size(), kStarts);
-  policy.act(loop.observation(), loop.steps_done(), action.view());
+  policy.act(loop->observation(), loop->steps_done(), action.view());
   std::size_t beyond = 0;
   double greatest = 0;
   for (std::size_t lane = 0; lane < kStarts; ++lane) {
@@ -81,7 +80,7 @@ std::string beyond_box(Policy& policy, const Setup& setup) {
 }
 
 /// "force = 10 N times action"
-std::string action_law(const PlantSpec& spec, std::size_t i) {
+std::string action_law(const Interface& spec, std::size_t i) {
   const std::string offset = spec.action_offset[i] == 0 ? "" : format("{:.4g} + ", spec.action_offset[i]);
   return format("{} = {}{:.4g} {} times action", spec.action[i].name, offset, spec.action_scale[i],
                 spec.action[i].unit);
@@ -89,7 +88,7 @@ std::string action_law(const PlantSpec& spec, std::size_t i) {
 
 /// What is assumed of a unit that nobody says.
 std::string assumed_unit(Policy& policy, const Setup& setup) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   return cat(" does not say the unit of its actions: they are taken as normalised (", action_law(spec, 0), ")",
              beyond_box(policy, setup), ". Say units = \"normalised\" or units = \"", spec.action.front().unit,
              "\" (--units)");
@@ -98,22 +97,28 @@ std::string assumed_unit(Policy& policy, const Setup& setup) {
 }  // namespace
 
 std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   if (kind == "zero") return zero_policy(spec.observations(), spec.action.size());
-  if (kind == "lqr") return lqr_policy(*setup.plant, reward_weights(spec));
-  if (kind == "pd" && spec.cascade) return cascade_policy(*setup.plant, *spec.cascade);
-  if (kind == "pd") {
-    throw error_at(place, "the plant ", setup.plant.kind, " has no policy 'pd'; try lqr or zero");
+  if (kind == "lqr") {
+    const Plant& plant = setup.equations("lqr", place);
+    return lqr_policy(plant, reward_weights(plant.spec()));
   }
+  if (kind == "pd") return pd_policy(setup, place);
   const std::vector<std::string> names = {"lqr", "zero", "pd"};
   throw error_at(place, "unknown policy '", kind, "'", did_you_mean(kind, names),
                  "; policies are lqr, pd, zero, or a file", " that ends in .onnx");
 }
 
+std::unique_ptr<Policy> pd_policy(const Setup& setup, const Place& place) {
+  const Plant& plant = setup.equations("pd", place);
+  if (plant.spec().cascade) return cascade_policy(plant, *plant.spec().cascade);
+  throw error_at(place, "the plant ", setup.plant.kind, " has no policy 'pd'; try lqr or zero");
+}
+
 FilePolicy file_policy(std::string_view bytes, std::string_view name, const Setup& setup, const PolicyUse& use) {
   const std::optional<float> alpha = use.alpha ? std::optional(static_cast<float>(*use.alpha)) : std::nullopt;
   OnnxModel model = read_onnx(bytes, name, {.alpha = alpha, .output = use.output, .data = use.data});
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   check_sizes(model, name, setup, use);
   check_metadata(model, name, setup);
   if (model.metadata.contains("gust.units") && !use.interface.act.empty())
@@ -131,13 +136,16 @@ std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view nam
   return std::move(file_policy(bytes, name, setup, use).policy);
 }
 
-std::string interface_hint(const PlantSpec& spec) {
+std::string interface_hint(const Interface& spec) {
+  const std::vector<Component>& seen = spec.measured();
+  const Component& turned = seen[std::min(spec.angle, seen.size() - 1)];
+  const std::string degrees = turned.unit == "rad" ? cat("{ ", turned.name, " = \"deg\" }, ") : "";
   std::vector<Component> action = spec.action;
   for (Component& component : action) component.unit = spec.action_unit();
   return cat("look at the order, sign and unit of what it observes and gives. gust gives it ",
              components_text(observed_components(spec)), " and takes ", components_text(action), "; observe = [\"",
-             spec.state.back().name, "\", \"-", spec.state[spec.angle].name, "\", { ", spec.state[spec.angle].name,
-             " = \"deg\" }, …] and act = { scale = -1 } say otherwise (--observe, --act)");
+             seen.back().name, "\", \"-", turned.name, "\", ", degrees,
+             "…] and act = { scale = -1 } say otherwise (--observe, --act)");
 }
 
 }  // namespace gust

@@ -15,6 +15,9 @@ namespace gust {
 /// is none, and for a plant that has no such policy.
 std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place = {"gust"});
 
+/// The cascade that the plant says to be known to work; an Error at the place if it says none.
+std::unique_ptr<Policy> pd_policy(const Setup& setup, const Place& place);
+
 /// How a file's policy is used.
 struct PolicyUse {
   Arithmetic arithmetic = Arithmetic::kDouble;
@@ -40,6 +43,6 @@ std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view nam
                                     const PolicyUse& use = {});
 
 /// Where to look when a foreign policy fails at once: what gust gives and takes, and how to say otherwise.
-std::string interface_hint(const PlantSpec& spec);
+std::string interface_hint(const Interface& spec);
 
 }  // namespace gust

@@ -74,8 +74,12 @@ void write_adversaries(TrialWriter& writer, const Training& training, std::map<s
 Outcome run_train(const Study& study, const Trial& trial, const Store& store, std::stop_token stop,
                   ProgressSink& progress) {
   const StudyPolicy& policy = study.policies[trial.policy];
-  const TrainingTask task{study.setup.plant.object.get(), study.setup.readings,    policy.disturbed,
-                          policy.seeds[trial.member],     policy.randomised.draws, policy.curve_as_trained};
+  const TrainingTask task{&study.setup.equations("a training", policy.place),
+                          study.setup.readings,
+                          policy.disturbed,
+                          policy.seeds[trial.member],
+                          policy.randomised.draws,
+                          policy.curve_as_trained};
   const std::unique_ptr<Training> training = begin_training(*policy.agent, task, store, trial.id);
   if (!train_to_end(*training, store, trial.id, stop, progress)) return {Outcome::State::stopped, ""};
 
@@ -169,7 +173,7 @@ double search_level(const Evaluation& evaluation, Policy& policy, double limit) 
 Outcome run_search(const Study& study, const Plan& plan, const Trial& trial, const Store& store) {
   const std::unique_ptr<Policy> policy = trial_policy(study, plan, trial, store);
   const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
-  task->evaluation.starts = {nominal_start(study.setup.plant->spec())};
+  task->evaluation.starts = {study.setup.plant->starts().front()};
   task->evaluation.episodes = 1;
   task->evaluation.cells = {plain_cell(study, trial, task->injections)};
   const double level = search_level(task->evaluation, *policy, search_limit(task->injections.back().site));
@@ -214,8 +218,7 @@ std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Tria
   if (sweep && sweep->injection) task->injections.push_back(*sweep->injection);
 
   Evaluation& evaluation = task->evaluation;
-  evaluation.plant = study.setup.plant.object.get();
-  evaluation.readings = study.setup.readings;
+  evaluation.source = study.setup.plant.object.get();
   evaluation.injections = task->injections;
   evaluation.starts = study.starts;
   evaluation.episodes = study.episodes;
@@ -242,9 +245,9 @@ std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const
   const StudyPolicy& policy = study.policies[trial.policy];
   switch (policy.kind) {
     case StudyPolicy::Kind::kLqr:
-      return lqr_policy(*study.setup.plant, policy.weights);
+      return lqr_policy(study.setup.equations("lqr", policy.place), policy.weights);
     case StudyPolicy::Kind::kPd:
-      return cascade_policy(*study.setup.plant, *study.setup.plant->spec().cascade);
+      return pd_policy(study.setup, policy.place);
     case StudyPolicy::Kind::kZero:
       return zero_policy(study.setup.plant->spec().observations(), study.setup.plant->spec().action.size());
     case StudyPolicy::Kind::kOnnx: {
