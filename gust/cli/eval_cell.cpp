@@ -33,7 +33,7 @@ std::size_t prepare_sweep(const EvalRequest& request, Study& study) {
 /// Adds the rows of one policy; the study has this cell only.
 void add_rows(const OpenStudy& open, const Trial& trial, std::vector<EvalRow>& rows) {
   const Study& study = open.study;
-  const std::unique_ptr<Policy> policy = trial_policy(study, open.plan, trial, *open.store);
+  const std::unique_ptr<Policy> policy = trial_policy(study, open.plan, trial, open.trials("eval"));
   const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
   evaluate(task->evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
     EvalRow& row = rows.emplace_back(eval_row(task->evaluation, index, episode, study.terminate));
@@ -47,7 +47,8 @@ void add_rows(const OpenStudy& open, const Trial& trial, std::vector<EvalRow>& r
 }  // namespace
 
 EvalResult run_cell(const EvalRequest& request) {
-  OpenStudy open = open_study(request.study);
+  OpenStudy open(request.study);
+  open.trials("eval");
   Study& study = open.study;
   const StudyPolicy& policy = named(study.policies, {request.policy, {"POLICY"}}, "policy");
   const std::size_t sweep = prepare_sweep(request, study);

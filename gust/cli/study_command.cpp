@@ -18,6 +18,7 @@
 #include "gust/core/text.h"
 #include "gust/core/version.h"
 #include "gust/store/files.h"
+#include "gust/study/summary/row_table.h"
 
 namespace gust {
 namespace {
@@ -61,7 +62,9 @@ Json margin_json(const Study& study, const Summary& summary, const Series& serie
 /// The command that a page names: the run that left the folder.
 std::string run_command(const StudyFolder& folder, const Study& study) {
   const RunInputs inputs = folder.inputs();
-  std::string command = cat("gust run ", shell_word(inputs.study));
+  std::string command = inputs.rows.empty()
+                            ? cat("gust run ", shell_word(inputs.study))
+                            : cat("gust import ", shell_word(inputs.study), " ", shell_word(inputs.rows));
   for (const std::string& setting : inputs.settings) command += cat(" --set ", shell_word(setting));
   const std::string path = folder.path().string();
   return path == standard_folder(study) ? command : cat(command, " --out ", shell_word(path));
@@ -69,12 +72,21 @@ std::string run_command(const StudyFolder& folder, const Study& study) {
 
 }  // namespace
 
-OpenStudy open_study(const std::string& path) {
-  StudyFolder folder{std::filesystem::path(path)};
-  Study study = folder.open(tell);
-  auto store = std::make_unique<Store>(folder.store(), Store::Access::read, tell);
-  Plan plan = plan_with_store(study, *store);
-  return {std::move(folder), std::move(study), std::move(plan), std::move(store)};
+OpenStudy::OpenStudy(const std::string& path)
+    : folder(std::filesystem::path(path)), study(folder.open(tell)), imported(!folder.inputs().rows.empty()) {
+  if (imported) {
+    measured = read_row_table(folder.read_rows(), folder.rows().string(), study);
+    return;
+  }
+  store = std::make_unique<Store>(folder.store(), Store::Access::read, tell);
+  plan = plan_with_store(study, *store);
+  measured = stored_measurements(study, plan, *store);
+}
+
+const Store& OpenStudy::trials(std::string_view command) const {
+  if (store) return *store;
+  throw Error(cat(folder.path().string(),
+                  ": its rows were measured elsewhere (rows.csv), so there is nothing for 'gust ", command, "'"));
 }
 
 int tell_missing(const Summary& summary) {
@@ -160,8 +172,10 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
   context.comparisons = std::move(comparisons);
   context.run_command = run_command(folder, study);
   context.folder = folder.path().string();
+  const std::string rows = folder.inputs().rows;
   context.export_command =
-      cat("gust export ", shell_word(folder.path().string()), " --csv ", shell_word(study.name + ".csv"));
+      rows.empty() ? cat("gust export ", shell_word(folder.path().string()), " --csv ", shell_word(study.name + ".csv"))
+                   : "";
   context.warnings = warnings;
   context.provenance = {{"gust", std::string(kVersion)},
                         {"plant", study.setup.plant.canonical()},
@@ -171,6 +185,7 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
                         {"made", now_text()}};
   if (const std::string missing = study.metric_set.not_applicable(); !missing.empty())
     context.provenance.emplace_back("metrics not applicable", missing);
+  if (!rows.empty()) context.provenance.push_back({"rows", cat("measured elsewhere: ", rows)});
   const std::filesystem::path page = into.empty() ? folder.report() : into / folder.report().filename();
   check_output(page, OutputKind::page, "page");
   write_file_atomically(page, render_page(study_page(study, summary, context)));

@@ -5,19 +5,27 @@
 #include "gust/report/study_page.h"
 #include "gust/study/summary/summary.h"
 #include "gust/study/trials/folder.h"
+#include "gust/study/trials/run.h"
 
 namespace gust {
 
-/// A finished (or partly finished) study as the reading commands open it.
+/// A finished (or partly finished) study as the reading commands open it: the folder that `gust run` or `gust import`
+/// left. Notices about damaged trials go to stderr.
 struct OpenStudy {
+  explicit OpenStudy(const std::string& path);
+  OpenStudy(const OpenStudy&) = delete;
+  OpenStudy& operator=(const OpenStudy&) = delete;
+
+  /// The trials; an Error that names the command where the rows came from elsewhere.
+  const Store& trials(std::string_view command) const;
+
   StudyFolder folder;
   Study study;
-  Plan plan;
-  std::unique_ptr<Store> store;
+  bool imported = false;  ///< the rows were measured elsewhere: then there is no store, and no trial in the plan
+  std::unique_ptr<Store> store = nullptr;
+  Plan plan = {};
+  std::unique_ptr<Measurements> measured = nullptr;
 };
-
-/// Opens the folder that `gust run` left; notices about damaged trials go to stderr.
-OpenStudy open_study(const std::string& path);
 
 /// Why a trial that failed or was skipped did so, in one line.
 std::string complaint(const Trial& trial, const Outcome& outcome);

@@ -15,7 +15,8 @@ namespace {
 /// Takes a CSV text apart, record by record.
 class Reader {
  public:
-  Reader(std::string_view text, std::string_view name) : text_(text), name_(name) {}
+  Reader(std::string_view text, std::string_view name, std::size_t at = 0, std::size_t line = 1)
+      : text_(text), name_(name), at_(at), line_(line) {}
 
   bool at_end() const { return at_ >= text_.size(); }
   std::size_t line() const { return line_; }
@@ -61,8 +62,8 @@ class Reader {
 
   std::string_view text_;
   std::string_view name_;
-  std::size_t at_ = 0;
-  std::size_t line_ = 1;
+  std::size_t at_;
+  std::size_t line_;
 };
 
 std::string_view first_line(std::string_view text) { return text.substr(0, text.find_first_of("\r\n")); }
@@ -81,6 +82,23 @@ bool is_number(std::string_view cell) {
   double number = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
   return error == std::errc{} && end == cell.data() + cell.size();
+}
+
+/// A cell as a number; NaN if it is empty.
+double csv_number(const std::string& cell, const std::string& place, std::string_view column) {
+  if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double number = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+  if (error != std::errc{} || end != cell.data() + cell.size())
+    throw Error(cat(place, ": '", cell, "' is no number (column '", column, "')"));
+  return number;
+}
+
+std::uint64_t csv_whole(const std::string& cell, const std::string& place, std::string_view column) {
+  const double value = csv_number(cell, place, column);
+  if (!(value >= 0) || value > 9e15 || value != std::floor(value))
+    throw Error(cat(place, ": '", cell, "' is no whole number (column '", column, "')"));
+  return static_cast<std::uint64_t>(value);
 }
 
 }  // namespace
@@ -139,23 +157,59 @@ std::string csv_line(const std::vector<std::string>& cells) {
   return line;
 }
 
-CsvTable::CsvTable(std::string_view bytes, std::string_view name) : name_(name) {
-  const std::string_view text = utf8_text(bytes, name);
-  check_csv_header(text, name);
-  Reader reader(text, name_);
+CsvReader::CsvReader(std::string_view bytes, std::string_view name) : name_(name), text_(utf8_text(bytes, name)) {
+  check_csv_header(text_, name);
+  Reader reader(text_, name_);
   if (reader.at_end()) throw Error(cat(name_, ":1: the file is empty"));
   columns_ = reader.record();
+  at_ = reader.at();
+  next_line_ = reader.line();
+}
+
+std::optional<std::size_t> CsvReader::find_column(std::string_view column) const {
+  const auto at = std::ranges::find(columns_, column);
+  if (at == columns_.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - columns_.begin());
+}
+
+std::size_t CsvReader::column(std::string_view column) const {
+  if (const auto found = find_column(column)) return *found;
+  throw Error(cat(name_, ":1: there is no column '", column, "'", did_you_mean(column, columns_)));
+}
+
+bool CsvReader::next() {
+  Reader reader(text_, name_, at_, next_line_);
   while (!reader.at_end()) {
-    const std::size_t line = reader.line();
-    const std::string_view rest = text.substr(reader.at());
-    std::vector<std::string> cells = reader.record();
-    if (cells.size() == 1 && cells.front().empty() && columns_.size() > 1) continue;
-    if (cells.size() != columns_.size())
-      throw Error(cat(name_, ":", line, ": ", cells.size(), " cells where the header has ", columns_.size(),
-                      csv_line_hint(first_line(rest), cells.size(), columns_.size())));
-    records_.push_back(std::move(cells));
-    lines_.push_back(line);
+    line_ = reader.line();
+    const std::string_view rest = text_.substr(reader.at());
+    cells_ = reader.record();
+    at_ = reader.at();
+    next_line_ = reader.line();
+    if (cells_.size() == 1 && cells_.front().empty() && columns_.size() > 1) continue;
+    if (cells_.size() != columns_.size())
+      throw Error(cat(place(), ": ", cells_.size(), " cells where the header has ", columns_.size(),
+                      csv_line_hint(first_line(rest), cells_.size(), columns_.size())));
+    return true;
   }
+  return false;
+}
+
+double CsvReader::number(std::size_t column) const { return csv_number(cells_[column], place(), columns_[column]); }
+
+std::uint64_t CsvReader::whole(std::size_t column) const {
+  return csv_whole(cells_[column], place(), columns_[column]);
+}
+
+std::string CsvReader::place() const { return cat(name_, ":", line_); }
+
+CsvTable::CsvTable(std::string_view bytes, std::string_view name) : name_(name) {
+  CsvReader reader(bytes, name);
+  while (reader.next()) {
+    std::vector<std::string>& record = records_.emplace_back();
+    for (std::size_t c = 0; c < reader.columns().size(); ++c) record.push_back(reader.text(c));
+    lines_.push_back(reader.line());
+  }
+  columns_ = reader.columns();
 }
 
 bool CsvTable::has(std::string_view column) const { return std::ranges::find(columns_, column) != columns_.end(); }
@@ -168,20 +222,11 @@ const std::string& CsvTable::text(std::size_t record, std::string_view column) c
 }
 
 double CsvTable::number(std::size_t record, std::string_view column) const {
-  const std::string& cell = text(record, column);
-  if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double number = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
-  if (error != std::errc{} || end != cell.data() + cell.size())
-    throw Error(cat(place(record), ": '", cell, "' is no number (column '", column, "')"));
-  return number;
+  return csv_number(text(record, column), place(record), column);
 }
 
 std::uint64_t CsvTable::whole(std::size_t record, std::string_view column) const {
-  const double value = number(record, column);
-  if (!(value >= 0) || value > 9e15 || value != std::floor(value))
-    throw Error(cat(place(record), ": '", text(record, column), "' is no whole number (column '", column, "')"));
-  return static_cast<std::uint64_t>(value);
+  return csv_whole(text(record, column), place(record), column);
 }
 
 std::string CsvTable::place(std::size_t record) const { return cat(name_, ":", lines_.at(record)); }

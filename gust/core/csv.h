@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,7 +22,40 @@ void check_csv_header(std::string_view text, std::string_view name);
 /// empty if nothing is known.
 std::string csv_line_hint(std::string_view line, std::size_t cells, std::size_t of_header);
 
-/// A CSV file with a header line, in UTF-8; cells may be quoted, and empty lines are left out.
+/// Reads a CSV file record by record: a header line, then records; UTF-8, cells may be quoted, and empty lines are left
+/// out. The text must outlive it. Errors begin with the name and the line.
+class CsvReader {
+ public:
+  /// Reads the header. Throws Error where the text is no such file.
+  CsvReader(std::string_view bytes, std::string_view name);
+
+  const std::vector<std::string>& columns() const { return columns_; }
+  std::optional<std::size_t> find_column(std::string_view column) const;
+  /// Throws Error with the nearest name if there is no such column.
+  std::size_t column(std::string_view column) const;
+
+  /// Reads the next record; false after the last. Throws Error if it has more or fewer cells than the header.
+  bool next();
+  const std::string& text(std::size_t column) const { return cells_[column]; }
+  /// The cell as a number; NaN if it is empty. Throws Error if it is none.
+  double number(std::size_t column) const;
+  /// The cell as a whole number, 0 or more. Throws Error if it is none.
+  std::uint64_t whole(std::size_t column) const;
+  /// "name:line" of the record, for messages.
+  std::string place() const;
+  std::size_t line() const { return line_; }
+
+ private:
+  std::string name_;
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::size_t next_line_ = 1;
+  std::size_t line_ = 1;
+  std::vector<std::string> columns_;
+  std::vector<std::string> cells_;
+};
+
+/// The same with all records in memory.
 class CsvTable {
  public:
   /// Throws Error, which begins with the name and the line, where the text is no such file or a record has more or

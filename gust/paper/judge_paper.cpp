@@ -60,9 +60,9 @@ struct Question {
 
 class Judge {
  public:
-  /// Without a store all scores are 1.
-  Judge(const Reproduction& reproduction, const std::vector<Plan>& plans, const Store* store, ScoreLog* log = nullptr)
-      : reproduction_(reproduction), paper_(*reproduction.paper), plans_(plans), store_(store), log_(log) {}
+  /// Where nothing was measured, all scores are 1.
+  explicit Judge(const Reproduction& reproduction, StudyMeasurements measured = {}, ScoreLog* log = nullptr)
+      : reproduction_(reproduction), paper_(*reproduction.paper), measured_(measured), log_(log) {}
 
   /// In the order of the claims, the reading that decides first.
   std::vector<Question> questions() const {
@@ -95,7 +95,7 @@ class Judge {
       const PrintedScores printed(paper_, paper_.figure(claim.figure)->table, scores.functions());
       const RenamedScores renamed(scores, reading.instead);
       const FormulaData& data = reading.printed ? static_cast<const FormulaData&>(printed) : renamed;
-      if (store_ == nullptr) formula.evaluate(paper_.names, data);  // a place beyond the levels is a mistake now
+      if (measured_.empty()) formula.evaluate(paper_.names, data);  // a place beyond the levels is a mistake now
       finding = judge(formula, paper_.names, data, left_out(question));
       result.seeds = finding.seeds;
       if (result.seeds >= kSeedsForVerdict && !formula.calls("alike")) {
@@ -107,7 +107,7 @@ class Judge {
       throw Error(cat(claim.id, ", ", reading.name, ": ", mistake.what()));
     } catch (const NotTestable&) {  // a choice among scores that are yet to come
     } catch (const Error& error) {  // these data cannot answer; those with shapes only must
-      if (store_ == nullptr) throw;
+      if (measured_.empty()) throw;
       finding.verdict = {Ruling::not_testable, error.what()};
     }
     result.measured = finding.margin;
@@ -148,7 +148,7 @@ class Judge {
                              {.metric = metric_of(premise.metric, premise.from), .start = start_of(premise.from)},
                              Rng(1));
     const Finding finding = judge(*premise.formula, paper_.names, scores);
-    return store_ != nullptr && !finding.parts.empty() && finding.true_parts() < finding.parts.size();
+    return !measured_.empty() && !finding.parts.empty() && finding.true_parts() < finding.parts.size();
   }
 
   bool can_ask(const PaperClaim& claim) const {
@@ -207,7 +207,7 @@ class Judge {
     std::vector<ClaimSource> all;
     for (const std::string& name : from) {
       const std::size_t at = *reproduction_.find(reading, name);
-      all.push_back({&reproduction_.studies[at].study, store_ ? &plans_[at] : nullptr, store_, log_,
+      all.push_back({&reproduction_.studies[at].study, measured_.empty() ? nullptr : measured_[at].get(), log_,
                      reproduction_.stem(reproduction_.studies[at])});
     }
     return all;
@@ -223,17 +223,15 @@ class Judge {
 
   const Reproduction& reproduction_;
   const Paper& paper_;
-  const std::vector<Plan>& plans_;
-  const Store* store_;
+  StudyMeasurements measured_;
   ScoreLog* log_;
 };
 
 }  // namespace
 
-std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
-                                      const Store& store, std::size_t threads, const std::vector<std::string>& named,
-                                      ScoreLog* log) {
-  const Judge judge(reproduction, plans, &store, log);
+std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, StudyMeasurements measured, std::size_t threads,
+                                      const std::vector<std::string>& named, ScoreLog* log) {
+  const Judge judge(reproduction, measured, log);
   std::vector<Question> questions = judge.questions();
   std::erase_if(questions, [&](const Question& question) {
     const std::string& id = reproduction.paper->claims[question.claim].id;
@@ -258,7 +256,7 @@ std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const st
 }
 
 void check_claims(const Reproduction& reproduction) {
-  const Judge judge(reproduction, {}, nullptr);
+  const Judge judge(reproduction);
   for (const Question& question : judge.questions()) judge.ask(question);
 }
 

@@ -66,11 +66,13 @@ struct PaperVerdict {
   Grade grade() const { return grade_of(verdict.ruling, parts, true_parts, left_out_parts); }
 };
 
+/// What was measured in each study of a reproduction, in their order.
+using StudyMeasurements = std::span<const std::unique_ptr<Measurements>>;
+
 /// Asks every claim of the data under each reading that bears on it; the reading that decides comes first. Claims whose
-/// studies are not to be run are left out, and so are all but those named, if any are. `plans` are those of the
-/// studies; `log` notes the scores that were asked for. Equal data give equal bits for any number of threads.
-std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, const std::vector<Plan>& plans,
-                                      const Store& store, std::size_t threads,
+/// studies are not to be run are left out, and so are all but those named, if any are. `log` notes the scores that were
+/// asked for. Equal data give equal bits for any number of threads.
+std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, StudyMeasurements measured, std::size_t threads,
                                       const std::vector<std::string>& named = {}, ScoreLog* log = nullptr);
 
 /// Asks every claim under every reading of data that have shapes only, so that what is wrong with one is found before

@@ -39,11 +39,14 @@ TEST_CASE("a place beyond the levels is a mistake before any work, whichever rea
 TEST_CASE("medians of trainings bear on every claim that asks for trainings, by whatever name") {
   const Paper& paper = paper_at("paper");
   const Reproduction reproduction = open_reproduction(paper, {.profile = "quick", .only = {"sawtooth"}, .seeds = 1});
-  const std::vector<Plan> plans(reproduction.studies.size());
+  const Plan nothing;
   const std::filesystem::path nowhere = std::filesystem::temp_directory_path() / "gust-no-such-store-either";
   const Store store(nowhere, Store::Access::write);
+  std::vector<std::unique_ptr<Measurements>> measured;
+  for (const ReproductionStudy& part : reproduction.studies)
+    measured.push_back(stored_measurements(part.study, nothing, store));
   std::set<std::string> asked;
-  for (const PaperVerdict& verdict : judge_paper(reproduction, plans, store, 1)) {
+  for (const PaperVerdict& verdict : judge_paper(reproduction, measured, 1)) {
     if (paper.readings[verdict.reading].median) asked.insert(paper.claims[verdict.claim].id);
   }
   std::filesystem::remove_all(nowhere);
@@ -105,11 +108,14 @@ TEST_CASE("the claims of the tables hold or fail in the paper's own numbers as i
   const Paper& paper = paper_at("paper");
   const Reproduction reproduction = open_reproduction(
       paper, {.profile = "quick", .only = {"table-dr", "table-adversary", "table-cvar"}, .seeds = {}});
-  const std::vector<Plan> plans(reproduction.studies.size());
+  const Plan nothing;
   std::set<std::string> hold, fail;
   const std::filesystem::path nowhere = std::filesystem::temp_directory_path() / "gust-no-such-store";
   const Store store(nowhere, Store::Access::write);
-  for (const PaperVerdict& verdict : judge_paper(reproduction, plans, store, 2)) {
+  std::vector<std::unique_ptr<Measurements>> measured;
+  for (const ReproductionStudy& part : reproduction.studies)
+    measured.push_back(stored_measurements(part.study, nothing, store));
+  for (const PaperVerdict& verdict : judge_paper(reproduction, measured, 2)) {
     if (!paper.readings[verdict.reading].printed) {
       CHECK(verdict.verdict.ruling == Ruling::not_testable);  // nothing was measured
       continue;

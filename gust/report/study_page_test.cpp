@@ -8,6 +8,7 @@
 
 #include "gust/report/study_episodes.h"
 #include "gust/study/text/study_fixture.h"
+#include "gust/study/trials/run.h"
 
 namespace gust {
 namespace {
@@ -21,7 +22,7 @@ Page page_of(Study study) {
   const ScratchFolder folder("gust-study-page");
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
-  const Summary summary = summarise(study, outcome.plan, store, 1);
+  const Summary summary = summarise(*stored_measurements(study, outcome.plan, store), 1);
   return study_page(study, summary,
                     {"gust run small.toml", "small.gust", "gust export small.gust --csv small.csv", {}, {"a warning"}});
 }
@@ -106,7 +107,7 @@ TEST_CASE("a kept episode that is none of the study's is refused") {
   Study study = small_study();
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
-  const std::vector<KeptTraces> good = summarise(study, outcome.plan, store, 1).kept;
+  const std::vector<KeptTraces> good = summarise(*stored_measurements(study, outcome.plan, store), 1).kept;
   const std::vector<std::size_t> sweep_at = {0, 1};
   REQUIRE(kept_episodes(study, good, sweep_at).size() == 2 * 3 * 2);
 

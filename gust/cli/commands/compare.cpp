@@ -5,7 +5,6 @@
 #include "gust/cli/study_command.h"
 #include "gust/core/text.h"
 #include "gust/study/summary/comparison.h"
-#include "gust/study/trials/trial_check.h"
 
 namespace gust {
 namespace {
@@ -137,14 +136,12 @@ std::string plain_text(const Study& study, const PolicyPair& pair, const std::ve
 }
 
 int compare_command(const Options& options) {
-  const OpenStudy open = open_study(options.folder);
+  const OpenStudy open(options.folder);
   const PolicyPair pair{policy_of(open.study, options.a), policy_of(open.study, options.b),
                         start_of(open.study, options.start)};
   if (pair.a == pair.b) throw Error(cat("'", options.a, "' is compared with itself; name two policies"));
-  const std::vector<SweepComparison> found = compare_policies(open.study, open.plan, *open.store, pair);
-  Plan theirs = open.plan;
-  std::erase_if(theirs.trials, [&](const Trial& trial) { return trial.policy != pair.a && trial.policy != pair.b; });
-  const std::vector<std::string> missing = missing_trials(theirs, *open.store);
+  const std::vector<SweepComparison> found = compare_policies(*open.measured, pair);
+  const std::vector<std::string> missing = open.measured->missing({pair.a, pair.b});
   print_lines(options.json ? json_text(open.study, pair, found, missing) : plain_text(open.study, pair, found));
   for (const std::string& trial : missing) tell(cat("not in the store: ", trial));
   const std::size_t lacks = open.study.sweeps.size() + 1 - found.size();

@@ -57,11 +57,12 @@ void command_export(CLI::App& app, int& exit_code) {
       throw Error("--csv and --sqlite: name two files");
     if (!options->csv.empty()) check_output(options->csv, OutputKind::csv, "--csv", options->force);
     if (!options->sqlite.empty()) check_output(options->sqlite, OutputKind::sqlite, "--sqlite", options->force);
-    const OpenStudy open = open_study(options->folder);
+    const OpenStudy open(options->folder);
+    const Store& trials = open.trials("export");
     std::set<std::size_t> missing;
     const auto add = [&](const std::vector<std::size_t>& trials) { missing.insert(trials.begin(), trials.end()); };
-    if (!options->csv.empty()) add(export_csv(open.study, open.plan, *open.store, options->csv));
-    if (!options->sqlite.empty()) add(export_sqlite(open.study, open.plan, *open.store, options->sqlite));
+    if (!options->csv.empty()) add(export_csv(open.study, open.plan, trials, options->csv));
+    if (!options->sqlite.empty()) add(export_sqlite(open.study, open.plan, trials, options->sqlite));
     exit_code = tell_what_lacks(open, missing);
   });
 }

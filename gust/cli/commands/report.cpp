@@ -23,9 +23,9 @@ int report_reproduction(const Options& options) {
 
 int report_study(const OpenStudy& open, const std::filesystem::path& into) {
   const std::size_t threads = thread_count(0);
-  const Summary summary = summarise(open.study, open.plan, *open.store, threads);
+  const Summary summary = summarise(*open.measured, threads);
   const std::vector<PolicyPair> pairs = shown_pairs(open.study, compared_start(open.study));
-  const auto compared = compare_pairs(open.study, open.plan, *open.store, pairs, threads);
+  const auto compared = compare_pairs(*open.measured, pairs, threads);
   if (!into.empty()) make_output_folder(into, "--out");
   print_lines(cat(write_report(open.folder, open.study, summary, {}, compared, into), "\n"));
   return tell_missing(summary);
@@ -45,7 +45,7 @@ void command_report(CLI::App& app, int& exit_code) {
       exit_code = report_reproduction(*options);
       return;
     }
-    const OpenStudy open = open_study(options->folder);
+    const OpenStudy open(options->folder);
     exit_code = report_study(open, options->out);
   });
 }

@@ -62,22 +62,31 @@ Run run_all(Reproduction& reproduction, const Store& store, std::size_t threads)
   return {run_studies(studies, store, how), signals.exit_code()};
 }
 
+/// What the trials measured; the reproduction and the outcomes must outlive it.
+std::vector<std::unique_ptr<Measurements>> measured_studies(const Reproduction& reproduction,
+                                                            const std::vector<RunOutcome>& outcomes,
+                                                            const Store& store) {
+  std::vector<std::unique_ptr<Measurements>> measured;
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    measured.push_back(stored_measurements(reproduction.studies[i].study, outcomes[i].plan, store));
+  return measured;
+}
+
 /// Verdicts alone, without what a page needs: on the claims that are named, or on all.
 PaperResults judged(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
                     std::size_t threads, const std::vector<std::string>& named = {}) {
   PaperResults results{std::move(reproduction), {}, {}, complaints(outcomes), provenance(), still_to_run(outcomes)};
-  std::vector<Plan> plans;
-  for (const RunOutcome& outcome : outcomes) plans.push_back(outcome.plan);
   results.scores = std::make_shared<ScoreLog>();
-  results.verdicts = judge_paper(results.reproduction, plans, store, threads, named, results.scores.get());
+  const auto measured = measured_studies(results.reproduction, outcomes, store);
+  results.verdicts = judge_paper(results.reproduction, measured, threads, named, results.scores.get());
   return results;
 }
 
 PaperResults collect(Reproduction reproduction, const std::vector<RunOutcome>& outcomes, const Store& store,
                      std::size_t threads) {
   PaperResults results = judged(std::move(reproduction), outcomes, store, threads);
-  for (std::size_t i = 0; i < outcomes.size(); ++i)
-    results.summaries.push_back(summarise(results.reproduction.studies[i].study, outcomes[i].plan, store, threads));
+  for (const auto& measured : measured_studies(results.reproduction, outcomes, store))
+    results.summaries.push_back(summarise(*measured, threads));
   reduce_to_tables(results);
   return results;
 }

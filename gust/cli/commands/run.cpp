@@ -33,12 +33,13 @@ int tell_results(const Options& options, const StudyFolder& folder, const Study&
   const std::size_t threads = thread_count(options.threads);
   const std::vector<std::string> warnings = complaints(std::span(&outcome, 1));
   for (const std::string& line : warnings) tell(line);
-  const Summary summary = summarise(study, outcome.plan, store, threads);
+  const auto measured = stored_measurements(study, outcome.plan, store);
+  const Summary summary = summarise(*measured, threads);
   for (const std::string& note : summary.notes) tell(cat("warning: ", note));
   std::string report;
   try {
     const std::vector<PolicyPair> pairs = shown_pairs(study, compared_start(study));
-    report = write_report(folder, study, summary, warnings, compare_pairs(study, outcome.plan, store, pairs, threads));
+    report = write_report(folder, study, summary, warnings, compare_pairs(*measured, pairs, threads));
   } catch (const Error& error) {  // the disk may be full by now, which must not hide the answer
     tell(error.what());
   }

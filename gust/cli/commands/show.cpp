@@ -14,8 +14,8 @@ void command_show(CLI::App& app, int& exit_code) {
   command->add_flag("--json", options->json, "as one JSON object");
   command->footer("Example:\n  gust show demo.gust");
   command->callback([options, &exit_code] {
-    const OpenStudy open = open_study(options->folder);
-    const Summary summary = summarise(open.study, open.plan, *open.store, thread_count(0));
+    const OpenStudy open(options->folder);
+    const Summary summary = summarise(*open.measured, thread_count(0));
     print_lines(cat(options->json ? summary_json(open.study, summary) : summary_text(open.study, summary), "\n"));
     exit_code = tell_missing(summary);
   });

@@ -4,7 +4,6 @@
 #include "gust/core/text.h"
 #include "gust/stats/statistics.h"
 #include "gust/study/summary/claim_scores.h"
-#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {
@@ -44,22 +43,16 @@ std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) con
   if (policy.kind != StudyPolicy::Kind::kTrain)
     throw Error(cat("policy '", policy.name, "' is not trained: it has no learning curve"));
   std::vector<std::vector<CurvePoint>> curves;
-  if (place.source->store == nullptr) {
+  if (place.source->measured == nullptr) {
     constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
     curves.push_back({{.steps = 0, .anr_h = 1}, {.steps = kFar, .anr_h = 1, .protagonist_steps = kFar}});
     return curves;
   }
-  const Plan& plan = *place.source->plan;
-  std::vector<std::size_t> trials;
-  for (std::size_t i = 0; i < plan.trials.size(); ++i) {
-    if (plan.trials[i].kind == Trial::Kind::kTrain && plan.trials[i].policy == place.policy) trials.push_back(i);
-  }
-  keep_in_order(place, trials);
-  for (const std::size_t index : trials) {
-    const Trial& trial = plan.trials[index];
-    const std::optional<StoredTrial> stored = place.source->store->load(kind_name(trial.kind), trial.id);
-    if (!stored) throw NotTestable(cat("not measured: ", trial.what));
-    curves.push_back(read_curve(stored->read(kCurveFile), trial.id));
+  std::vector<std::string> missing;
+  for (const std::size_t member : members(place)) {
+    auto curve = place.source->measured->curve(place.policy, member, missing);
+    if (!curve) throw NotTestable(cat("not measured: ", missing.front()));
+    curves.push_back(std::move(*curve));
   }
   GUST_CHECK(!curves.empty());
   std::size_t shortest = curves.front().size();

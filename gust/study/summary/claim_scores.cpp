@@ -12,7 +12,6 @@
 #include "gust/stats/statistics.h"
 #include "gust/study/summary/margin_data.h"
 #include "gust/study/trials/margin_trial.h"
-#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {
@@ -61,10 +60,10 @@ std::string seeds_key(const Study& study, const StudyPolicy& policy) {
 /// The seeds of a policy whose trainings did not end without one.
 std::set<std::int64_t> seeds_left(const ClaimSource& source, const StudyPolicy& policy) {
   std::set<std::int64_t> seeds(policy.seeds.begin(), policy.seeds.end());
-  if (source.store == nullptr) return seeds;
-  for (const Trial& trial : source.plan->trials) {
-    if (trial.kind != Trial::Kind::kTrain || &source.study->policies[trial.policy] != &policy) continue;
-    if (training_failure(*source.plan, trial, *source.store)) seeds.erase(policy.seeds[trial.member]);
+  if (source.measured == nullptr) return seeds;
+  const auto index = static_cast<std::size_t>(&policy - source.study->policies.data());
+  for (std::size_t member = 0; member < policy.count(); ++member) {
+    if (source.measured->training_failed(index, member)) seeds.erase(policy.seeds[member]);
   }
   return seeds;
 }
@@ -186,17 +185,6 @@ const Sweep& ClaimScores::sweep_of(const FormulaValue& name) const {
   throw Error(cat("unknown sweep '", text, "'", did_you_mean(text, sweeps)));
 }
 
-void ClaimScores::keep_in_order(const Place& place, std::vector<std::size_t>& trials) const {
-  const Plan& plan = *place.source->plan;
-  std::vector<std::size_t> kept;
-  for (const std::size_t member : members(place)) {
-    const auto at =
-        std::ranges::find_if(trials, [&](std::size_t trial) { return plan.trials[trial].member == member; });
-    if (at != trials.end()) kept.push_back(*at);
-  }
-  trials = std::move(kept);
-}
-
 const std::vector<std::size_t>& ClaimScores::members(const Place& place) const {
   const auto [known, is_new] = members_.try_emplace(cat(place.source - sources_.data(), "/", place.policy));
   if (is_new) known->second = find_members(place);
@@ -275,7 +263,7 @@ const std::vector<Sampled>& ClaimScores::cells(const Place& place, const std::st
 void ClaimScores::add_margin(const Place& place, const std::string& metric, FormulaList& curve) const {
   const Sweep& sweep = place.source->study->sweeps[place.sweep];
   curve.no_margin = levels_obstacle(sweep);
-  if (!curve.no_margin.empty() || place.source->store == nullptr) return;
+  if (!curve.no_margin.empty() || place.source->measured == nullptr) return;
   const Place nominal{place.source, place.policy, Trial::kNominal};
   try {
     const std::string survival = place.source->study->metric_set.name_of(MetricRole::survival);
@@ -294,27 +282,19 @@ void ClaimScores::add_margin(const Place& place, const std::string& metric, Form
   add_levels(place, metric, curve);
   if (view_.over_seeds != Statistic::mean || draws_one(place)) return;  // the table's margins are of the mean
   curve.margin_data = [this, place, metric] {
-    const ClaimSource& from = *place.source;
-    const std::size_t start = index_of(from.study->starts, view_.start);
-    return MarginReader{*from.study, *from.plan, *from.store}.read({place.policy, place.sweep, start}, metric,
-                                                                   members(place));
+    const std::size_t start = index_of(place.source->study->starts, view_.start);
+    return read_margin_data(*place.source->measured, {place.policy, place.sweep, start}, metric, members(place));
   };
 }
 
 void ClaimScores::add_levels(const Place& place, const std::string& metric, FormulaList& curve) const {
   const ClaimSource& source = *place.source;
-  if (source.store == nullptr) return;
-  const auto margin = std::ranges::find_if(source.plan->trials, [&](const Trial& trial) {
-    return trial.kind == Trial::Kind::kMargin && trial.policy == place.policy && trial.sweep == place.sweep;
-  });
-  if (margin == source.plan->trials.end()) return;
-  const std::optional<StoredTrial> stored = source.store->load(kind_name(margin->kind), margin->id);
+  if (source.measured == nullptr) return;
   const std::size_t start = index_of(source.study->starts, view_.start);
-  if (!stored || margin->inputs.size() != 2 * members(place).size()) return;  // it is that of other members
-  const bool repeats = episodes_repeat(*source.study, place.sweep, start);
-  for_each_margin_level(*stored, [&](double level, const MemberRows& rows) {
-    if (!rows.has(metric) || level >= curve.axis.back()) return;
-    const Matrix<double> values = rows.values(start, metric, repeats);
+  const std::size_t count = members(place).size();
+  source.measured->for_each_added_level(place.policy, place.sweep, [&](double level, const MemberRows& rows) {
+    if (rows.members() != count || !rows.has(metric) || level >= curve.axis.back()) return;
+    const Matrix<double> values = rows.values(start, metric);
     curve.added.push_back({sampled(place, unit_values(values.view()), over_units(place))});
     curve.added_axis.push_back(level);
   });
@@ -325,7 +305,7 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   const bool is_share = study.metric_set[study.metric_set.index(metric, {"score"})].traits().zero_or_one;
   const std::size_t start = index_of(study.starts, view_.start);
   if (start == study.starts.size()) throw Error(cat("the study '", study.name, "' has no start '", view_.start, "'"));
-  if (place.source->store == nullptr) {
+  if (place.source->measured == nullptr) {
     std::size_t count = 1;
     for (std::size_t a = 0; place.sweep != Trial::kNominal && a < study.sweeps[place.sweep].axes.size(); ++a)
       count *= levels_of(study.sweeps[place.sweep], a).size();
@@ -334,28 +314,24 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
   std::vector<std::string> missing;
   std::vector<Sampled> cells;
   std::vector<float> all_units;
-  for (TrialGroup group : trial_groups(*place.source->plan)) {
-    if (group.policy != place.policy || group.sweep != place.sweep) continue;
-    keep_in_order(place, group.trials);
-    MemberRows rows(*place.source->plan, group, *place.source->store, missing);
-    if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
-    if (!rows.has(metric)) throw NotTestable(cat("not measured: ", metric, " of ", study.policies[place.policy].name));
-    const bool repeats = episodes_repeat(study, place.sweep, start);
-    while (rows.next()) {
-      const Matrix<double> values = rows.values(start, metric, repeats);
-      const std::vector<double> units = unit_values(values.view());
-      all_units.insert(all_units.end(), units.begin(), units.end());
-      Sampled cell = sampled(place, units, over_units(place));
-      if (is_share && cell.n > 1 && !draws_one(place)) {
-        const std::string key = seeds_key(study, study.policies[place.policy]);
-        const Rng noise = rng_.split("shares").split(key);
-        const std::string own = cat(study.name, "/", place.sweep, "/", metric, "/", cells.size());
-        cell = sampled_share(std::move(cell), values.rows() * values.lanes(), noise, noise.split(own));
-      }
-      const bool alone = study.policies[place.policy].kind != StudyPolicy::Kind::kTrain && cell.n == 1;
-      if (alone && repeats) cell.limit = kSameEpisodes;
-      cells.push_back(std::move(cell));
+  const Measurements& measured = *place.source->measured;
+  MemberRows rows = measured.rows({place.policy, place.sweep, members(place)}, missing);
+  if (!missing.empty()) throw NotTestable(cat("not measured: ", missing.front()));
+  if (!rows.has(metric)) throw NotTestable(cat("not measured: ", metric, " of ", study.policies[place.policy].name));
+  while (rows.next()) {
+    const Matrix<double> values = rows.values(start, metric);
+    const std::vector<double> units = unit_values(values.view());
+    all_units.insert(all_units.end(), units.begin(), units.end());
+    Sampled cell = sampled(place, units, over_units(place));
+    if (is_share && cell.n > 1 && !draws_one(place)) {
+      const std::string key = seeds_key(study, study.policies[place.policy]);
+      const Rng noise = rng_.split("shares").split(key);
+      const std::string own = cat(study.name, "/", place.sweep, "/", metric, "/", cells.size());
+      cell = sampled_share(std::move(cell), values.rows() * values.lanes(), noise, noise.split(own));
     }
+    const bool alone = study.policies[place.policy].kind != StudyPolicy::Kind::kTrain && cell.n == 1;
+    if (alone && rows.repeats(start)) cell.limit = kSameEpisodes;
+    cells.push_back(std::move(cell));
   }
   if (cells.empty()) throw NotTestable(cat("not measured: ", study.policies[place.policy].name));
   if (place.source->log != nullptr) {

@@ -7,16 +7,15 @@
 #include "gust/stats/aggregate.h"
 #include "gust/stats/bootstrap.h"
 #include "gust/stats/formula.h"
+#include "gust/study/summary/measurements.h"
 #include "gust/study/summary/score_log.h"
-#include "gust/study/trials/member_rows.h"
 
 namespace gust {
 
-/// A study with what has become of it. Without a store it is all shape: every score is 1.
+/// A study with what was measured in it. Without that it is all shape: every score is 1.
 struct ClaimSource {
   const Study* study = nullptr;
-  const Plan* plan = nullptr;
-  const Store* store = nullptr;
+  const Measurements* measured = nullptr;
   ScoreLog* log = nullptr;  ///< notes what is asked, under this name of the study
   std::string name = {};
 };
@@ -80,15 +79,13 @@ class ClaimScores final : public FormulaData {
   std::vector<Sampled> read_cells(const Place& place, const std::string& metric) const;
   /// Gives a curve along levels what its margin is measured from, or the reason why it has none.
   void add_margin(const Place& place, const std::string& metric, FormulaList& curve) const;
-  /// Gives a curve the values at the levels that its margin's trial looked at, if that is in the store.
+  /// Gives a curve the values at the levels that were looked at beside its own.
   void add_levels(const Place& place, const std::string& metric, FormulaList& curve) const;
   /// The learning curves of a policy's seeds, all as long as the shortest.
   std::vector<std::vector<CurvePoint>> curves(const Place& place) const;
   /// The members of a policy that count, in the order of their seeds.
   const std::vector<std::size_t>& members(const Place& place) const;
   std::vector<std::size_t> find_members(const Place& place) const;
-  /// Of the trials of a policy those of its members that count, in their order.
-  void keep_in_order(const Place& place, std::vector<std::size_t>& trials) const;
   void count_seeds(const Place& place) const;
   /// What makes one number of a policy's units.
   Statistics over_units(const Place& place) const;

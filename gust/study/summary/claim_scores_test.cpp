@@ -33,10 +33,11 @@ struct RunStudy {
         study(small_study({}, changed(kClaim, claim))),
         store(folder.path / "store", Store::Access::write),
         plan(run_study(study, store, {.threads = 1, .stop = {}, .watch = {}}).plan),
-        summary(summarise(study, plan, store, 1)) {}
+        summary(summarise(*stored_measurements(study, plan, store), 1)) {}
 
   FormulaValue value(std::string_view text, const ClaimView& view) const {
-    const ClaimScores scores({{&study, &plan, &store}}, view, Rng(1));
+    const auto measured = stored_measurements(study, plan, store);
+    const ClaimScores scores({{&study, measured.get()}}, view, Rng(1));
     return Formula(text, {"test"}).evaluate(study.names, scores);
   }
 };
@@ -195,7 +196,7 @@ TEST_CASE("what is missing in the store makes a claim not testable") {
   Study study = small_study({}, changed(kClaim, formula("score('lqr') > 0.5")));
   const Store store(folder.path / "store", Store::Access::write);
 
-  const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
+  const Summary summary = summarise(*stored_measurements(study, plan_with_store(study, store), store), 1);
 
   REQUIRE(summary.claims.size() == 1);
   CHECK(summary.claims[0].finding.verdict.ruling == Ruling::not_testable);
@@ -237,9 +238,10 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
   REQUIRE(skipped != outcome.outcomes.end());
   CHECK(skipped->reason == "its training failed: a loss is not finite");
 
-  const ClaimScores scores({{&study, &outcome.plan, &store}}, {"anr_h", "random"}, Rng(1));
+  const auto measured = stored_measurements(study, outcome.plan, store);
+  const ClaimScores scores({{&study, measured.get()}}, {"anr_h", "random"}, Rng(1));
   const auto ask = [&](const char* formula) { return Formula(formula, {"test"}).evaluate(study.names, scores); };
-  const Summary summary = summarise(study, outcome.plan, store, 1);
+  const Summary summary = summarise(*measured, 1);
   const std::size_t random = study.starts[0].random ? 0 : 1;
   CHECK(ask("score('p')").as_number("a test").estimate() ==
         doctest::Approx(summary.undisturbed(0, random)).epsilon(1e-12));
@@ -251,8 +253,8 @@ TEST_CASE("a seed whose training failed is left out of scores, curves and levels
   CHECK(scores.fewest_seeds() == 2);
   CHECK_THROWS_WITH_AS(ask("score('broken')"), "no training of 'broken' ended with a policy", NotTestable);
 
-  const ClaimScores ones({{&study, &outcome.plan, &store}},
-                         {.metric = "anr_h", .start = "random", .one_training = true}, Rng(1));
+  const ClaimScores ones({{&study, measured.get()}}, {.metric = "anr_h", .start = "random", .one_training = true},
+                         Rng(1));
   const auto draws = [&](const char* formula) {
     const FormulaValue value = Formula(formula, {"test"}).evaluate(study.names, ones);
     return std::set<double>(value.as_number("a test").values.begin() + 1, value.as_number("a test").values.end());
@@ -280,8 +282,9 @@ TEST_CASE("trainings may count by their median; episodes never do") {
   Study study = small_study({}, text);
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
+  const auto measured = stored_measurements(study, outcome.plan, store);
   const auto ask = [&](const char* formula, const ClaimView& view) {
-    const ClaimScores scores({{&study, &outcome.plan, &store}}, view, Rng(1));
+    const ClaimScores scores({{&study, measured.get()}}, view, Rng(1));
     return Formula(formula, {"test"}).evaluate(study.names, scores).as_number("a test").values;
   };
   const ClaimView means{.metric = "anr_h", .start = "random"};

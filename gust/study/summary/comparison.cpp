@@ -9,26 +9,11 @@
 #include "gust/core/crew.h"
 #include "gust/study/summary/margin_data.h"
 #include "gust/study/trials/margin_trial.h"
-#include "gust/study/trials/member_rows.h"
-#include "gust/study/trials/trial_check.h"
-#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {
 
 constexpr std::size_t kMostPolicies = 6;  // of which all pairs are shown
-
-/// The scores of one policy, cell after cell; empty where some are missing.
-std::vector<Matrix<double>> cells_of(const Study& study, const Plan& plan, const Store& store, const TrialGroup& group,
-                                     const SweepOf& of) {
-  std::vector<std::string> missing;
-  MemberRows rows(plan, group, store, missing);
-  const std::string& metric = study.metric_set.name(margin_metric(study));
-  if (rows.members() == 0 || !rows.has(metric)) return {};
-  std::vector<Matrix<double>> cells;
-  while (rows.next()) cells.push_back(rows.values(of.start, metric, episodes_repeat(study, of.sweep, of.start)));
-  return cells;
-}
 
 /// The places of the cells: levels, or their numbers in a grid.
 std::vector<double> places_of(const Study& study, std::size_t sweep, std::size_t count) {
@@ -42,6 +27,7 @@ struct OwnedCurve {
   std::vector<double> levels;
   std::vector<Matrix<double>> values;
   std::vector<Cell> cells;
+  bool repeats = false;  // all episodes are the same one
 
   Curve view() const { return {levels, cells}; }
   /// To be called when all values are there.
@@ -50,27 +36,28 @@ struct OwnedCurve {
   }
 };
 
-OwnedCurve curve_of(const Study& study, const Plan& plan, const Store& store, const SweepOf& of) {
+/// The scores of one policy, cell after cell; empty where they are missing.
+OwnedCurve curve_of(const Measurements& measured, const SweepOf& of) {
+  const Study& study = measured.study();
+  const std::string& metric = study.metric_set.name(margin_metric(study));
+  std::vector<std::string> missing;
+  MemberRows rows = measured.rows(measured.group(of.policy, of.sweep), missing);
   OwnedCurve curve;
-  for (const TrialGroup& group : trial_groups(plan)) {
-    if (group.policy == of.policy && group.sweep == of.sweep) curve.values = cells_of(study, plan, store, group, of);
-  }
+  if (rows.members() == 0 || !rows.has(metric)) return curve;
+  curve.repeats = rows.repeats(of.start);
+  while (rows.next()) curve.values.push_back(rows.values(of.start, metric));
   curve.levels = places_of(study, of.sweep, curve.values.size());
   if (curve.levels.size() != curve.values.size()) curve.values.clear();
   return curve;
 }
 
-/// A policy's margin without what is not there: the study has the trials of some of its policies only.
-std::shared_ptr<const MarginData> margin_of(const Study& study, const Plan& plan, const Store& store,
-                                            const SweepOf& of) {
-  TrialGroup nominal{of.policy, Trial::kNominal, {}};
-  for (const TrialGroup& group : trial_groups(plan)) {
-    if (group.policy == of.policy && group.sweep == Trial::kNominal) nominal = group;
-  }
+/// A policy's margin without what is not there: some of its seeds may be missing.
+std::shared_ptr<const MarginData> margin_of(const Measurements& measured, const SweepOf& of) {
+  const Study& study = measured.study();
   std::vector<std::string> missing;
-  MemberRows rows(plan, nominal, store, missing);
+  MemberRows rows = measured.rows(measured.group(of.policy, Trial::kNominal), missing);
   if (rows.members() == 0 || !rows.next() || !margin_obstacle(study, of.sweep, rows, of.start).empty()) return nullptr;
-  return MarginReader{study, plan, store}.read(of, study.metric_set.name(margin_metric(study)));
+  return read_margin_data(measured, of, study.metric_set.name(margin_metric(study)));
 }
 
 /// Seeds of a policy that has some: trainings, or several files.
@@ -79,20 +66,20 @@ std::size_t seeds_of(const Study& study, std::size_t policy, const OwnedCurve& c
   return of.kind == StudyPolicy::Kind::kTrain || of.count() > 1 ? curve.cells.front().rows : 0;
 }
 
-std::optional<SweepComparison> compare_along(const Study& study, const Plan& plan, const Store& store,
-                                             const PolicyPair& pair, std::size_t sweep) {
+std::optional<SweepComparison> compare_along(const Measurements& measured, const PolicyPair& pair, std::size_t sweep) {
+  const Study& study = measured.study();
   const SweepOf of_a{pair.a, sweep, pair.start}, of_b{pair.b, sweep, pair.start};
-  OwnedCurve a = curve_of(study, plan, store, of_a), b = curve_of(study, plan, store, of_b);
+  OwnedCurve a = curve_of(measured, of_a), b = curve_of(measured, of_b);
   if (a.values.empty() || b.values.empty()) return std::nullopt;
   a.show();
   b.show();
   const std::size_t seeds_a = seeds_of(study, pair.a, a), seeds_b = seeds_of(study, pair.b, b);
   const Rng rng = comparison_stream(study);
   SweepComparison result{pair, sweep, compare(a.view(), b.view(), rng)};
-  result.repeats = episodes_repeat(study, sweep, pair.start);
+  result.repeats = a.repeats && b.repeats;
   result.seeds = seeds_a == 0 || seeds_b == 0 ? std::max(seeds_a, seeds_b) : std::min(seeds_a, seeds_b);
   if (sweep == Trial::kNominal || !study.sweeps[sweep].along_levels() || a.levels.size() < 2) return result;
-  const auto margin_a = margin_of(study, plan, store, of_a), margin_b = margin_of(study, plan, store, of_b);
+  const auto margin_a = margin_of(measured, of_a), margin_b = margin_of(measured, of_b);
   if (margin_a && margin_b) result.found.ratio = margin_ratio(*margin_a, *margin_b);
   return result;
 }
@@ -118,9 +105,8 @@ std::string SweepComparison::needed() const {
   return needed_text(found.over.needed, found.over.unit);
 }
 
-std::vector<SweepComparison> compare_policies(const Study& study, const Plan& plan, const Store& store,
-                                              const PolicyPair& pair) {
-  return compare_pairs(study, plan, store, {pair}, 1);
+std::vector<SweepComparison> compare_policies(const Measurements& measured, const PolicyPair& pair) {
+  return compare_pairs(measured, {pair}, 1);
 }
 
 std::vector<PolicyPair> shown_pairs(const Study& study, std::size_t start) {
@@ -137,17 +123,16 @@ std::size_t compared_start(const Study& study) {
   return random == study.starts.end() ? 0 : static_cast<std::size_t>(random - study.starts.begin());
 }
 
-std::vector<SweepComparison> compare_pairs(const Study& study, const Plan& plan, const Store& store,
-                                           const std::vector<PolicyPair>& pairs, std::size_t threads) {
-  const std::size_t width = study.sweeps.size() + 1;  // undisturbed first
+std::vector<SweepComparison> compare_pairs(const Measurements& measured, const std::vector<PolicyPair>& pairs,
+                                           std::size_t threads) {
+  const std::size_t width = measured.study().sweeps.size() + 1;  // undisturbed first
   std::vector<std::optional<SweepComparison>> found(pairs.size() * width);
   std::vector<std::exception_ptr> errors(found.size());
   std::atomic<std::size_t> next = 0;
   run_crew(threads, [&] {
     for (std::size_t i = next++; i < found.size(); i = next++) {
       try {
-        found[i] =
-            compare_along(study, plan, store, pairs[i / width], i % width == 0 ? Trial::kNominal : i % width - 1);
+        found[i] = compare_along(measured, pairs[i / width], i % width == 0 ? Trial::kNominal : i % width - 1);
       } catch (...) {
         errors[i] = std::current_exception();
       }

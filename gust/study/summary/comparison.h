@@ -31,8 +31,7 @@ struct SweepComparison {
 
 /// The undisturbed score and every sweep in the order of the study; for grids the levels are numbers of cells. What is
 /// not in the store is left out. Equal trials give equal bits.
-std::vector<SweepComparison> compare_policies(const Study& study, const Plan& plan, const Store& store,
-                                              const PolicyPair& pair);
+std::vector<SweepComparison> compare_policies(const Measurements& measured, const PolicyPair& pair);
 
 /// The pairs that a page shows: all of up to six policies, else each with the first, from a start.
 std::vector<PolicyPair> shown_pairs(const Study& study, std::size_t start);
@@ -41,7 +40,7 @@ std::vector<PolicyPair> shown_pairs(const Study& study, std::size_t start);
 std::size_t compared_start(const Study& study);
 
 /// All of them, by several threads.
-std::vector<SweepComparison> compare_pairs(const Study& study, const Plan& plan, const Store& store,
-                                           const std::vector<PolicyPair>& pairs, std::size_t threads);
+std::vector<SweepComparison> compare_pairs(const Measurements& measured, const std::vector<PolicyPair>& pairs,
+                                           std::size_t threads);
 
 }  // namespace gust

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gust/study/text/study_fixture.h"
+#include "gust/study/trials/run.h"
 
 using namespace gust;
 using namespace gust::test;
@@ -22,7 +23,7 @@ struct ComparedStudy {
       : study(small_study({}, text)),
         store(folder.path / "store", Store::Access::write),
         plan(run_study(study, store, {.threads = 1, .stop = {}, .watch = {}}).plan),
-        summary(summarise(study, plan, store, 1)) {}
+        summary(summarise(*stored_measurements(study, plan, store), 1)) {}
 };
 
 }  // namespace
@@ -31,8 +32,8 @@ TEST_CASE("two policies are compared undisturbed and along every sweep, with the
   const ComparedStudy run;
   const std::size_t random = compared_start(run.study);
 
-  const auto found = compare_policies(run.study, run.plan, run.store, {0, 1, random});
-  const auto turned = compare_policies(run.study, run.plan, run.store, {1, 0, random});
+  const auto found = compare_policies(*stored_measurements(run.study, run.plan, run.store), {0, 1, random});
+  const auto turned = compare_policies(*stored_measurements(run.study, run.plan, run.store), {1, 0, random});
 
   REQUIRE(found.size() == 3);
   CHECK(run.study.starts[random].random);
@@ -55,8 +56,10 @@ TEST_CASE("the ratio of margins is that of the margins which the summary has") {
   const std::size_t random = compared_start(run.study);
   const auto margin = [&](std::size_t policy) { return run.summary.find(policy, 0, random)->margin.level.estimate; };
 
-  const Interval ratio = compare_policies(run.study, run.plan, run.store, {0, 2, random})[1].found.ratio;
-  const Interval none = compare_policies(run.study, run.plan, run.store, {0, 1, random})[1].found.ratio;
+  const Interval ratio =
+      compare_policies(*stored_measurements(run.study, run.plan, run.store), {0, 2, random})[1].found.ratio;
+  const Interval none =
+      compare_policies(*stored_measurements(run.study, run.plan, run.store), {0, 1, random})[1].found.ratio;
 
   CHECK(ratio.estimate == doctest::Approx(margin(0) / margin(2)).epsilon(1e-12));
   CHECK(ratio.low <= ratio.estimate);
@@ -81,7 +84,9 @@ TEST_CASE("what the store lacks is left out, and a page of many policies shows e
   Study study = small_study();
   const Store store(folder.path / "store", Store::Access::write);
 
-  CHECK(compare_policies(study, plan_with_store(study, store), store, {0, 1, 0}).empty());
+  const Plan plan = plan_with_store(study, store);
+
+  CHECK(compare_policies(*stored_measurements(study, plan, store), {0, 1, 0}).empty());
   CHECK(shown_pairs(study, 1).size() == 1);
   while (study.policies.size() < 6) study.policies.push_back(study.policies.back());
   CHECK(shown_pairs(study, 1).size() == 15);

@@ -20,33 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What every row of a trial has in common.
 ExportRow head_of(const Study& study, const Trial& trial) {
-  const StudyPolicy& policy = study.policies[trial.policy];
-  ExportRow row;
-  row.plant = study.setup.plant.kind;
-  row.preset = study.setup.preset.empty() ? "none" : study.setup.preset;
-  row.readings = study.setup.preset.empty() ? "none" : study.setup.readings_text();
-  row.policy = policy.name;
-  row.seed = policy.member(trial.member);
-  for (std::string* text : {&row.sweep, &row.site, &row.channels, &row.waveform, &row.window}) *text = "none";
-  if (trial.sweep == Trial::kNominal) return row;
-  const Sweep& sweep = study.sweeps[trial.sweep];
-  const Interface& spec = study.setup.plant->spec();
-  row.sweep = sweep.name;
-  row.site = "parameters";
-  if (const std::optional<Injection>& injection = sweep.injection) {
-    row.site = site_name(injection->site);
-    row.channels = channels_text(*injection, spec);
-    row.waveform = injection->waveform.canonical();
-    row.window = cat(injection->start, ":", std::min(injection->end, spec.steps));
-  }
-  if (!sweep.along_levels()) {
-    for (const Sweep::Axis& axis : sweep.axes) row.vary += cat(row.vary.empty() ? "" : "*", axis.name());
-  }
-  const std::string setting = sweep.setting(spec);
-  if (!setting.empty()) row.vary += cat(row.vary.empty() ? "" : ", ", setting);
-  return row;
+  return export_head(study, trial.policy, trial.member, trial.sweep);
 }
 
 void set_levels(const Study& study, const Trial& trial, std::size_t cell, ExportRow& row) {
@@ -97,7 +72,7 @@ void export_margin(const Study& study, const Plan& plan, const Trial& trial, con
   for (const std::size_t input : trial.inputs) {
     if (plan.trials[input].sweep == trial.sweep) heads.push_back(head_of(study, plan.trials[input]));
   }
-  for_each_margin_level(stored, [&](double level, const MemberRows& rows) {
+  for_each_margin_level(study, trial, stored, [&](double level, const MemberRows& rows) {
     if (std::ranges::find(own, level) != own.end()) return;
     for (std::size_t member = 0; member < rows.members(); ++member) {
       heads[member].level = level;
@@ -190,6 +165,33 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
 }
 
 }  // namespace
+
+ExportRow export_head(const Study& study, std::size_t policy, std::size_t member, std::size_t sweep_index) {
+  ExportRow row;
+  row.plant = study.setup.plant.kind;
+  row.preset = study.setup.preset.empty() ? "none" : study.setup.preset;
+  row.readings = study.setup.preset.empty() ? "none" : study.setup.readings_text();
+  row.policy = study.policies[policy].name;
+  row.seed = study.policies[policy].member(member);
+  for (std::string* text : {&row.sweep, &row.site, &row.channels, &row.waveform, &row.window}) *text = "none";
+  if (sweep_index == Trial::kNominal) return row;
+  const Sweep& sweep = study.sweeps[sweep_index];
+  const Interface& spec = study.setup.plant->spec();
+  row.sweep = sweep.name;
+  row.site = "parameters";
+  if (const std::optional<Injection>& injection = sweep.injection) {
+    row.site = site_name(injection->site);
+    row.channels = channels_text(*injection, spec);
+    row.waveform = injection->waveform.canonical();
+    row.window = cat(injection->start, ":", std::min(injection->end, spec.steps));
+  }
+  if (!sweep.along_levels()) {
+    for (const Sweep::Axis& axis : sweep.axes) row.vary += cat(row.vary.empty() ? "" : "*", axis.name());
+  }
+  const std::string setting = sweep.setting(spec);
+  if (!setting.empty()) row.vary += cat(row.vary.empty() ? "" : ", ", setting);
+  return row;
+}
 
 std::vector<std::size_t> for_each_export_row(const Study& study, const Plan& plan, const Store& store,
                                              const TakeRow& take) {

@@ -24,6 +24,9 @@ struct ExportRow {
   double value = 0;
 };
 
+/// What the rows of a policy's member along a sweep have in common.
+ExportRow export_head(const Study& study, std::size_t policy, std::size_t member, std::size_t sweep);
+
 inline constexpr std::string_view kExportHead =
     "plant,preset,readings,policy,seed,sweep,site,channels,waveform,window,vary,level_2,level,start,episode,metric,"
     "value";

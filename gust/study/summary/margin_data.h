@@ -4,8 +4,7 @@
 #include <span>
 
 #include "gust/stats/sampled_margin.h"
-#include "gust/store/store.h"
-#include "gust/study/plan/plan.h"
+#include "gust/study/summary/measurements.h"
 
 namespace gust {
 
@@ -17,16 +16,10 @@ struct SweepOf {
 /// The random numbers of comparisons of two policies in a study.
 Rng comparison_stream(const Study& study);
 
-/// Reads what margins of a study are told from.
-struct MarginReader {
-  const Study& study;
-  const Plan& plan;
-  const Store& store;
-
-  /// The scores of a metric undisturbed, at the study's levels, and at those that the margin's trial looked at; of
-  /// these members only, if there are some. Null where the members in the store are not the same ones everywhere.
-  std::shared_ptr<const MarginData> read(const SweepOf& of, const std::string& metric,
-                                         std::span<const std::size_t> members = {}) const;
-};
+/// What margins are told from: the scores of a metric undisturbed, at the study's levels, and at those that were looked
+/// at beside them; of these members only, if there are some. Null where the members are not the same ones everywhere.
+std::shared_ptr<const MarginData> read_margin_data(const Measurements& measured, const SweepOf& of,
+                                                   const std::string& metric,
+                                                   std::span<const std::size_t> members = {});
 
 }  // namespace gust

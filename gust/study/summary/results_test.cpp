@@ -6,13 +6,14 @@
 
 #include "gust/study/text/study_fixture.h"
 #include "gust/study/trials/member_rows.h"
+#include "gust/study/trials/run.h"
 
 using namespace gust;
 using namespace gust::test;
 
 namespace {
 
-struct Measured {
+struct RunStudy {
   Study study;
   Summary summary;
   double deviation = 0;  ///< stored_deviation of policy 2 in sweep 3 from start 1
@@ -26,9 +27,9 @@ double stored_deviation(const Study& study, const Plan& plan, const Store& store
   double sum = 0, trainings = 0;
   for (const TrialGroup& group : trial_groups(plan)) {
     if (group.policy != policy || group.sweep != sweep) continue;
-    MemberRows rows(plan, group, store, missing);
+    MemberRows rows = stored_rows(study, plan, group, store, missing);
     if (!rows.next()) continue;
-    const Matrix<double> values = rows.values(start, study.metric_set.name(study.metrics.front()), false);
+    const Matrix<double> values = rows.values(start, study.metric_set.name(study.metrics.front()));
     const auto n = static_cast<double>(values.lanes());
     for (std::size_t m = 0; m < values.rows(); ++m) {
       double first = 0, second = 0;
@@ -40,11 +41,11 @@ double stored_deviation(const Study& study, const Plan& plan, const Store& store
   return sum / trainings;
 }
 
-Measured measured(Study study) {
+RunStudy measured(Study study) {
   const ScratchFolder folder("gust-results");
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}});
-  Summary summary = summarise(study, outcome.plan, store, 1);
+  Summary summary = summarise(*stored_measurements(study, outcome.plan, store), 1);
   const double deviation = study.policies.size() > 2 ? stored_deviation(study, outcome.plan, store, 2, 3, 1) : 0;
   return {std::move(study), std::move(summary), deviation};
 }
@@ -62,7 +63,7 @@ Study rich_study() {
 }  // namespace
 
 TEST_CASE("a summary is the same after a way through its tables") {
-  const Measured before = measured(rich_study());
+  const RunStudy before = measured(rich_study());
   const std::string cells = cells_csv(before.study, before.summary);
   const std::string curves = curves_csv(before.study, before.summary);
 
@@ -83,7 +84,7 @@ TEST_CASE("a summary is the same after a way through its tables") {
 }
 
 TEST_CASE("a sweep of one cell keeps what each training alone shows") {
-  const Measured found = measured(rich_study());
+  const RunStudy found = measured(rich_study());
   const Series& ppo = *found.summary.find(2, 3, 1);
   const std::size_t metric = found.study.metrics.front();
 
@@ -108,7 +109,7 @@ TEST_CASE("a sweep of one cell keeps what each training alone shows") {
 }
 
 TEST_CASE("tables of another study are errors with their lines") {
-  const Measured before = measured(small_study());
+  const RunStudy before = measured(small_study());
   const std::string cells = cells_csv(before.study, before.summary);
   const auto read_with = [&](const std::vector<std::string>& settings) {
     Study study = small_study(settings);

@@ -10,36 +10,29 @@
 #include "gust/stats/share.h"
 #include "gust/study/summary/claim_scores.h"
 #include "gust/study/trials/margin_trial.h"
-#include "gust/study/trials/member_rows.h"
-#include "gust/study/trials/policy_notes.h"
-#include "gust/study/trials/trial_check.h"
-#include "gust/study/trials/trials.h"
 
 namespace gust {
 namespace {
 
-constexpr std::size_t kBandResamples = 2'000;     // of each cell's interval
-constexpr std::size_t kMarginResamples = 10'000;  // of margins and claims
+constexpr std::size_t kBandResamples = 2'000;  // of each cell's interval
 
 Rng resampling_stream(const Study& study) { return Rng(static_cast<std::uint64_t>(study.seed)).split("bootstrap"); }
 
 /// What one thread needs to summarise group after group.
 class Summariser {
  public:
-  Summariser(const Study& study, const Plan& plan, const Store& store, std::size_t margin_metric)
-      : study_(study),
-        plan_(plan),
-        store_(store),
-        metrics_(summarised_metrics(study)),
+  Summariser(const Measurements& measured, std::size_t margin_metric)
+      : measured_(measured),
+        study_(measured.study()),
+        metrics_(summarised_metrics(study_)),
         margin_metric_(margin_metric),
-        survival_(study.metric_set.first(MetricRole::survival)),
-        bands_(resampling_stream(study), kBandResamples),
-        margins_(resampling_stream(study), kMarginResamples) {}
+        survival_(study_.metric_set.first(MetricRole::survival)),
+        bands_(resampling_stream(study_), kBandResamples) {}
 
-  std::vector<Series> summarise(const TrialGroup& group) {
+  std::vector<Series> summarise(const RowGroup& group) {
     std::vector<Series> series;
     std::vector<std::string> missing;
-    MemberRows rows(plan_, group, store_, missing);
+    MemberRows rows = measured_.rows(group, missing);
     if (rows.members() == 0) return series;
     const std::size_t starts = rows.header().starts.size();
     for (std::size_t start = 0; start < starts; ++start) series.push_back(empty_series(group, start, rows.header()));
@@ -61,49 +54,35 @@ class Summariser {
   }
 
  private:
-  bool has_margin(const TrialGroup& group) const {
+  bool has_margin(const RowGroup& group) const {
     if (group.sweep == Trial::kNominal) return false;
     const Sweep& sweep = study_.sweeps[group.sweep];
     return sweep.along_levels() && sweep.axes.front().values.size() > 1;
   }
 
-  /// False where the undisturbed trials are missing: then no margin can be told.
-  bool take_undisturbed(const TrialGroup& group, MarginScores& scores) const {
-    TrialGroup nominal{group.policy, Trial::kNominal, {}};
-    for (const TrialGroup& other : trial_groups(plan_)) {
-      if (other.policy == nominal.policy && other.sweep == nominal.sweep) nominal = other;
-    }
-    std::erase_if(nominal.trials, [&](std::size_t trial) { return !has_sweep(group, plan_.trials[trial].member); });
+  /// False where undisturbed rows are missing: then no margin can be told.
+  bool take_undisturbed(const RowGroup& group, MarginScores& scores) const {
+    RowGroup nominal = measured_.group(group.policy, Trial::kNominal);
+    std::erase_if(nominal.members, [&](std::size_t member) {
+      const bool asked = std::ranges::find(group.members, member) != group.members.end();
+      return !asked || !measured_.has_rows(group.policy, group.sweep, member);
+    });
     std::vector<std::string> missing;
-    MemberRows rows(plan_, nominal, store_, missing);
+    MemberRows rows = measured_.rows(nominal, missing);
     if (rows.members() == 0 || !missing.empty()) return false;
     scores.take_undisturbed(std::move(rows));
     return true;
   }
 
-  /// Whether the trial of a member along the group's sweep is in the store.
-  bool has_sweep(const TrialGroup& group, std::size_t member) const {
-    return std::ranges::any_of(group.trials, [&](std::size_t trial) {
-      const Trial& swept = plan_.trials[trial];
-      return swept.member == member && store_.has(kind_name(swept.kind), swept.id);
-    });
-  }
-
-  /// What the margin's own trial measured, if it is there.
-  void add_levels(const TrialGroup& group, MarginScores& scores, std::vector<Series>& parts) {
-    const auto margin = std::ranges::find_if(plan_.trials, [&](const Trial& trial) {
-      return trial.kind == Trial::Kind::kMargin && trial.policy == group.policy && trial.sweep == group.sweep;
-    });
-    if (margin == plan_.trials.end()) return;
-    const std::optional<StoredTrial> stored = load_trial(plan_, *margin, store_);
-    if (!stored) return;
-    for_each_margin_level(*stored, [&](double level, const MemberRows& rows) {
+  /// What was measured beside the sweep's own levels.
+  void add_levels(const RowGroup& group, MarginScores& scores, std::vector<Series>& parts) {
+    measured_.for_each_added_level(group.policy, group.sweep, [&](double level, const MemberRows& rows) {
       for (Series& series : parts) series.add_level(level, estimates(rows, series));
       scores.take(level, rows);
     });
   }
 
-  Series empty_series(const TrialGroup& group, std::size_t start, const RowsHeader& header) const {
+  Series empty_series(const RowGroup& group, std::size_t start, const RowsHeader& header) const {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     Series series{.policy = group.policy, .sweep = group.sweep, .start = start};
     series.cells = static_cast<std::size_t>(header.cells);
@@ -121,12 +100,11 @@ class Summariser {
   std::vector<Estimate> estimates(const MemberRows& rows, Series& series) {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     std::vector<Estimate> found(metrics_.size(), {kUnknown, kUnknown, kUnknown});
-    const bool same = episodes_repeat(study_, series.sweep, series.start);
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::size_t metric = metrics_[i];
       const std::string& name = study_.metric_set.name(metric);
       if (!rows.has(name)) continue;
-      const Matrix<double> values = rows.values(series.start, name, same);
+      const Matrix<double> values = rows.values(series.start, name);
       const bool leads = std::ranges::find(study_.metrics, metric) != study_.metrics.end() || metric == survival_;
       const Interval result = leads ? measure(values, metric, bands_) : Interval{.estimate = mean_of(values)};
       found[i] = {result.estimate, result.low, result.high};
@@ -172,14 +150,12 @@ class Summariser {
     return interval(values.view(), Statistic::mean, bootstrap);
   }
 
+  const Measurements& measured_;
   const Study& study_;
-  const Plan& plan_;
-  const Store& store_;
   std::vector<std::size_t> metrics_;
   std::size_t margin_metric_;
   std::optional<std::size_t> survival_;
   Bootstrap bands_;
-  Bootstrap margins_;
 };
 
 /// Both ways of saying a claim ask the same scores, so one statement has one interval and one verdict.
@@ -197,11 +173,12 @@ Finding judged(const Study& study, const StudyClaim& claim, const ClaimScores& s
   }
 }
 
-void judge_claims(const Study& study, const Plan& plan, const Store& store, std::vector<ClaimVerdict>& verdicts) {
+void judge_claims(const Measurements& measured, std::vector<ClaimVerdict>& verdicts) {
+  const Study& study = measured.study();
   std::map<std::pair<std::string, std::string>, ClaimScores> views;  // each reads a sweep once
   for (const StudyClaim& claim : study.claims) {
     const ClaimView view{claim.metric, claim.start};
-    const std::vector<ClaimSource> sources = {{&study, &plan, &store}};
+    const std::vector<ClaimSource> sources = {{&study, &measured}};
     const auto at = views.try_emplace({view.metric, view.start}, sources, view, resampling_stream(study)).first;
     verdicts.push_back({&claim, judged(study, claim, at->second)});
   }
@@ -252,15 +229,15 @@ double Summary::undisturbed(std::size_t policy, std::size_t start) const {
   return nominal ? nominal->at(margin_metric, 0).value : std::numeric_limits<double>::quiet_NaN();
 }
 
-Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads) {
-  const std::vector<TrialGroup> groups = trial_groups(plan);
+Summary summarise(const Measurements& measured, std::size_t threads) {
+  const std::vector<RowGroup> groups = measured.groups();
   Summary summary;
-  summary.margin_metric = margin_metric(study);
+  summary.margin_metric = margin_metric(measured.study());
   std::vector<std::vector<Series>> parts(groups.size());
   std::vector<std::exception_ptr> errors(groups.size());
   std::atomic<std::size_t> next = 0;
   run_crew(threads, [&] {
-    Summariser summariser(study, plan, store, summary.margin_metric);
+    Summariser summariser(measured, summary.margin_metric);
     for (std::size_t i = next++; i < groups.size(); i = next++) {
       try {
         parts[i] = summariser.summarise(groups[i]);
@@ -273,11 +250,11 @@ Summary summarise(const Study& study, const Plan& plan, const Store& store, std:
     if (errors[i]) std::rethrow_exception(errors[i]);
     std::ranges::move(parts[i], std::back_inserter(summary.series));
   }
-  summary.missing = missing_trials(plan, store);
-  summary.curves = stored_curves(plan, store);
-  summary.kept = stored_traces(plan, store);
-  summary.notes = policy_notes(study, plan, store);
-  judge_claims(study, plan, store, summary.claims);
+  summary.missing = measured.missing();
+  summary.curves = measured.curves();
+  summary.kept = measured.kept();
+  summary.notes = measured.notes();
+  judge_claims(measured, summary.claims);
   return summary;
 }
 

@@ -2,7 +2,7 @@
 
 #include "gust/stats/claim.h"
 #include "gust/stats/margin.h"
-#include "gust/study/trials/run.h"
+#include "gust/study/summary/measurements.h"
 
 namespace gust {
 
@@ -50,21 +50,6 @@ struct ClaimVerdict {
   Finding finding;
 };
 
-/// The learning curve of one seed of a policy.
-struct SeedCurve {
-  std::size_t policy = 0;
-  std::size_t member = 0;
-  std::vector<CurvePoint> points = {};
-};
-
-/// Episodes that were kept whole, of one evaluation.
-struct KeptTraces {
-  std::size_t policy = 0;
-  std::size_t member = 0;
-  std::size_t sweep = Trial::kNominal;
-  std::vector<Trace> traces = {};
-};
-
 /// What a study found: everything that tables and the page show, in plan order. Memory per cell does not depend on
 /// the number of episodes or seeds.
 struct Summary {
@@ -73,8 +58,8 @@ struct Summary {
   std::vector<SeedCurve> curves;     ///< of all trainings that there are, in plan order
   std::vector<KeptTraces> kept;      ///< a choice that a page can hold, evenly over the plan
   std::size_t margin_metric = 0;
-  std::vector<std::string> missing;  ///< trials of the plan that are not in the store: missing_trials()
-  std::vector<std::string> notes;    ///< policy_notes(): what is wrong with a policy
+  std::vector<std::string> missing;  ///< what the study asks for and was not measured; for people
+  std::vector<std::string> notes;    ///< what is wrong with a policy
 
   /// The series of a policy, sweep and start; null if its trials are missing.
   const Series* find(std::size_t policy, std::size_t sweep, std::size_t start) const;
@@ -86,13 +71,8 @@ struct Summary {
 /// The store and what is exported from it hold all.
 std::vector<std::size_t> summarised_metrics(const Study& study);
 
-/// The learning curves and the kept episodes that the store holds.
-std::vector<SeedCurve> stored_curves(const Plan& plan, const Store& store);
-std::vector<KeptTraces> stored_traces(const Plan& plan, const Store& store);
-
-/// Reads the trials of a plan from the store as a stream and summarises them. Equal trials give equal bits for any
-/// number of threads.
-Summary summarise(const Study& study, const Plan& plan, const Store& store, std::size_t threads);
+/// Reads what was measured as a stream and summarises it. Equal rows give equal bits for any number of threads.
+Summary summarise(const Measurements& measured, std::size_t threads);
 
 /// The table of robustness margins, one line a site and waveform, one column a policy; UTF-8, for a terminal. What is
 /// wider than `columns` is told in blocks of policies, one below the other.

@@ -24,7 +24,9 @@ struct Ran {
       : folder(name),
         study(small_study(settings, changed(kEnd, sweeps + kEnd))),
         store(folder.path / "store", Store::Access::write),
-        summary(summarise(study, run_study(study, store, {.threads = 1, .stop = {}, .watch = {}}).plan, store, 1)) {}
+        summary(summarise(
+            *stored_measurements(study, run_study(study, store, {.threads = 1, .stop = {}, .watch = {}}).plan, store),
+            1)) {}
 
   std::vector<double> scores(const std::string& sweep) const {
     for (std::size_t s = 0; s < study.sweeps.size(); ++s) {

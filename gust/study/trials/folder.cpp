@@ -22,6 +22,7 @@ constexpr const char* kInputsFolder = "inputs";
 constexpr int kDeepest = 8;                                  // of inputs.json
 constexpr std::size_t kStudyBytes = std::size_t{1} << 20;    // what parse_study takes
 constexpr std::size_t kInputsBytes = std::size_t{16} << 20;  // thousands of files
+constexpr std::size_t kRowsBytes = std::size_t{4} << 30;     // of an imported table
 constexpr std::size_t kFoundBytes = std::size_t{1} << 30;    // of all policy files together
 
 struct KeptFile {
@@ -35,6 +36,7 @@ struct KeptInputs {
   std::vector<std::vector<KeptFile>> patterns;  ///< in the order in which the parser asks
   std::string text_hash = {};                   ///< of the study's text; empty in folders of earlier versions
   std::string readings = {};                    ///< plant and readings as the run understood them
+  std::string rows_hash = {};                   ///< of the imported table
 };
 
 /// What a study says of the plant and its readings, with all defaults.
@@ -66,6 +68,10 @@ KeptInputs read_inputs(const fs::path& folder) {
     if (json.contains("hash") && json != hashed(json)) throw changed(path);
     inputs.text_hash = json.contains("hash") ? json.at("text") : Json("");
     inputs.readings = json.value("readings", "");
+    if (json.contains("rows")) {
+      inputs.run.rows = json.at("rows").at("path");
+      inputs.rows_hash = json.at("rows").at("hash");
+    }
     for (const Json& found : json.at("files")) {
       std::vector<KeptFile>& files = inputs.patterns.emplace_back();
       for (const Json& file : found) {
@@ -161,8 +167,28 @@ Study StudyFolder::read(const fs::path& file, const std::vector<std::string>& se
   return parse_study(read_file(file, kStudyBytes), file.string(), settings, files_beside(file.parent_path()));
 }
 
+void StudyFolder::keep(const Study& study, const RunInputs& inputs, std::string_view rows) const {
+  if (Store::is_at(path_ / "store"))
+    throw Error(cat(path_.string(), ": holds trials that 'gust run' made; choose another --out"));
+  check_place();
+  write_file_atomically(this->rows(), rows);
+  write_study(study, inputs, hash_hex(rows));
+}
+
+std::string StudyFolder::read_rows() const {
+  std::string bytes = read_file(rows(), kRowsBytes);
+  if (hash_hex(bytes) != read_inputs(path_).rows_hash)
+    throw Error(cat(rows().string(), ": is not what was imported; 'gust import' takes a table anew"));
+  return bytes;
+}
+
 void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
-  const fs::path text = path_ / kStudyFile;
+  check_place();
+  if (is_there(rows())) throw Error(cat(path_.string(), ": holds rows that 'gust import' took; choose another --out"));
+  write_study(study, inputs, "");
+}
+
+void StudyFolder::check_place() const {
   std::error_code unknown;
   if (is_there(path_) && !fs::is_directory(path_, unknown))
     throw Error(cat(path_.string(), ": is not a folder; choose another --out"));
@@ -171,20 +197,23 @@ void StudyFolder::keep(const Study& study, const RunInputs& inputs) const {
     throw Error(cat(path_.string(), ": holds what 'gust reproduce' found; choose another --out"));
   if (const auto store = store_around(path_))
     throw Error(cat(path_.string(), ": lies in the store ", store->string(), "; choose another --out"));
+}
+
+void StudyFolder::write_study(const Study& study, const RunInputs& inputs, const std::string& rows_hash) const {
   Json patterns = Json::array();
   for (const std::vector<StudyPolicy::File>& files : study.found) {
     Json found = Json::array();
     for (const StudyPolicy::File& file : files) found.push_back(keep_file(path_, file));
     patterns.push_back(found);
   }
-  write_file_atomically(path_ / kInputsFile, hashed({{"study", inputs.study},
-                                                     {"settings", inputs.settings},
-                                                     {"files", patterns},
-                                                     {"text", hash_hex(study.text)},
-                                                     {"readings", readings_text(study)}})
-                                                     .dump(2, ' ', false, Json::error_handler_t::replace) +
-                                                 "\n");
-  write_file_atomically(text, study.text);
+  Json json = {{"study", inputs.study},
+               {"settings", inputs.settings},
+               {"files", patterns},
+               {"text", hash_hex(study.text)},
+               {"readings", readings_text(study)}};
+  if (!rows_hash.empty()) json["rows"] = {{"path", inputs.rows}, {"hash", rows_hash}};
+  write_file_atomically(path_ / kInputsFile, hashed(json).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file_atomically(path_ / kStudyFile, study.text);
 }
 
 Study StudyFolder::open(const Store::Notice& notice) const {

@@ -47,11 +47,11 @@ class MarginSearch {
   MarginSearch(const Study& study, const Plan& plan, const Trial& trial, const Store& store)
       : study_(study), sweep_(trial.sweep), measured_(measured_metrics(study)), scores_(study, trial.sweep) {
     std::vector<std::string> missing;
-    scores_.take_undisturbed(MemberRows(plan, inputs_of(plan, trial, true), store, missing));
+    scores_.take_undisturbed(stored_rows(study, plan, inputs_of(plan, trial, true), store, missing));
     if (!missing.empty()) throw Error(cat("not in the store: ", missing.front()));
     const TrialGroup swept = inputs_of(plan, trial, false);
     if (scores_.hopeless()) return;
-    MemberRows rows(plan, swept, store, missing);
+    MemberRows rows = stored_rows(study, plan, swept, store, missing);
     if (!missing.empty()) throw Error(cat("not in the store: ", missing.front()));
     const std::vector<double>& levels = study.sweeps[trial.sweep].axes.front().values;
     for (std::size_t cell = 0; rows.next(); ++cell) scores_.take(levels[cell], rows);
@@ -134,10 +134,9 @@ void MarginScores::take_undisturbed(MemberRows rows) {
   if (!rows.next()) return;
   const std::string& score = study_.metric_set.name(margin_metric(study_));
   for (std::size_t start = 0; start < study_.starts.size(); ++start) {
-    const bool same = episodes_repeat(study_, Trial::kNominal, start);
     curves_.emplace_back();
     obstacles_.push_back(margin_obstacle(study_, sweep_, rows, start));
-    if (obstacles_.back().empty()) curves_.back().undisturbed = margin_scores(rows.values(start, score, same).view());
+    if (obstacles_.back().empty()) curves_.back().undisturbed = margin_scores(rows.values(start, score).view());
   }
 }
 
@@ -157,7 +156,7 @@ void MarginScores::take(double level, std::size_t start, Cell scores) {
 void MarginScores::take(double level, const MemberRows& rows) {
   const std::string& score = study_.metric_set.name(margin_metric(study_));
   for (std::size_t start = 0; start < curves_.size() && rows.has(score); ++start)
-    take(level, start, rows.values(start, score, episodes_repeat(study_, sweep_, start)).view());
+    take(level, start, rows.values(start, score).view());
 }
 
 bool MarginScores::hopeless() const {
@@ -179,7 +178,7 @@ std::string margin_obstacle(const Study& study, std::size_t sweep, const MemberR
   if (!rows.has(study.metric_set.name(margin_metric(study)))) return "not measured";
   const std::string survival = study.metric_set.name_of(MetricRole::survival);
   if (!rows.has(survival)) return "";
-  const Matrix<double> survived = rows.values(start, survival, episodes_repeat(study, Trial::kNominal, start));
+  const Matrix<double> survived = rows.values(start, survival);
   return survival_obstacle(mean(margin_scores(survived.view())));
 }
 
@@ -226,13 +225,14 @@ std::vector<std::vector<double>> margin_levels(const StoredTrial& stored) {
   return rounds;
 }
 
-void for_each_margin_level(const StoredTrial& stored, const std::function<void(double, const MemberRows&)>& take) {
+void for_each_margin_level(const Study& study, const Trial& trial, const StoredTrial& stored,
+                           const std::function<void(double, const MemberRows&)>& take) {
   const std::vector<std::vector<double>> rounds = margin_levels(stored);
   for (std::size_t round = 0; round < rounds.size(); ++round) {
     std::vector<std::string> files;
     while (stored.contains(margin_rows_file(round, files.size())))
       files.push_back(margin_rows_file(round, files.size()));
-    MemberRows rows(stored, files);
+    MemberRows rows = stored_rows(study, trial.sweep, stored, files);
     for (std::size_t i = 0; i < rounds[round].size() && rows.next(); ++i) take(rounds[round][i], rows);
   }
 }

@@ -52,6 +52,7 @@ std::vector<std::vector<double>> margin_levels(const StoredTrial& stored);
 
 /// The rows of the levels that a margin's trial looked at beside the study's own: `take(level, rows)` for each, in the
 /// order of looking.
-void for_each_margin_level(const StoredTrial& stored, const std::function<void(double, const MemberRows&)>& take);
+void for_each_margin_level(const Study& study, const Trial& trial, const StoredTrial& stored,
+                           const std::function<void(double, const MemberRows&)>& take);
 
 }  // namespace gust

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <fstream>
 #include <memory>
 #include <span>
 #include <string>
@@ -27,17 +26,26 @@ std::vector<TrialGroup> trial_groups(const Plan& plan);
 /// Whether all episodes from a start are the same one: neither start nor disturbance is random.
 bool episodes_repeat(const Study& study, std::size_t sweep, std::size_t start);
 
-/// The rows of several members of a policy, read cell by cell side by side.
+/// The cells of one member along a sweep, one after the other.
+class CellSource {
+ public:
+  virtual ~CellSource() = default;
+  virtual const RowsHeader& header() const = 0;
+  /// The next cell, valid until the next call; empty after the last one.
+  virtual std::span<const double> next() = 0;
+};
+
+/// The rows of several members of a policy along a sweep, read cell by cell side by side.
 class MemberRows {
  public:
-  /// Adds to `missing` what the store lacks.
-  MemberRows(const Plan& plan, const TrialGroup& group, const Store& store, std::vector<std::string>& missing);
+  /// `repeats` says of each start whether all its episodes are the same one.
+  MemberRows(std::vector<std::unique_ptr<CellSource>> members, std::vector<bool> repeats)
+      : sources_(std::move(members)), repeats_(std::move(repeats)) {}
 
-  /// The rows files of one trial, a member each.
-  MemberRows(const StoredTrial& stored, const std::vector<std::string>& files);
-
-  std::size_t members() const { return readers_.size(); }
-  const RowsHeader& header(std::size_t member = 0) const { return readers_[member].header(); }
+  std::size_t members() const { return sources_.size(); }
+  const RowsHeader& header(std::size_t member = 0) const { return sources_[member]->header(); }
+  /// Whether all episodes from a start are the same one.
+  bool repeats(std::size_t start) const { return repeats_[start]; }
   /// All values of the cell at hand of one member, in the order of the header.
   std::span<const double> cell(std::size_t member) const { return cells_[member]; }
 
@@ -48,13 +56,19 @@ class MemberRows {
   bool has(std::string_view metric) const;
   /// One metric that there is, from one start: members x episodes, or one episode where all are the same one. Of a
   /// quotient what each episode contributes to it (quotient_values).
-  Matrix<double> values(std::size_t start, std::string_view metric, bool repeats) const;
+  Matrix<double> values(std::size_t start, std::string_view metric) const;
 
  private:
-  std::vector<std::unique_ptr<std::ifstream>> streams_;
-  std::string remedy_;  ///< of damaged rows
-  std::vector<RowsReader> readers_;
+  std::vector<std::unique_ptr<CellSource>> sources_;
+  std::vector<bool> repeats_;
   std::vector<std::span<const double>> cells_;
 };
+
+/// The rows of evaluations in a store; what it lacks is added to `missing`.
+MemberRows stored_rows(const Study& study, const Plan& plan, const TrialGroup& group, const Store& store,
+                       std::vector<std::string>& missing);
+/// The rows files of one trial along a sweep, a member each.
+MemberRows stored_rows(const Study& study, std::size_t sweep, const StoredTrial& stored,
+                       const std::vector<std::string>& files);
 
 }  // namespace gust

@@ -54,7 +54,7 @@ struct OlderRun {
         now(folder.path / "now", Store::Access::write),
         older(folder.path / "older", Store::Access::write),
         plan(run_study(study, now, {.threads = 1, .stop = {}, .watch = {}}).plan),
-        expected(summarise(study, plan, now, 1)) {
+        expected(summarise(*stored_measurements(study, plan, now), 1)) {
     for (const Trial& trial : plan.trials) {
       const StoredTrial stored = *now.load(kind_name(trial.kind), trial.id);
       TrialWriter writer = older.begin(kind_name(trial.kind), trial.id);
@@ -62,7 +62,7 @@ struct OlderRun {
       writer.write(kTracesFile, stored.read(kTracesFile));
       writer.commit(trial.canonical);
     }
-    summary = summarise(study, plan, older, 1);
+    summary = summarise(*stored_measurements(study, plan, older), 1);
   }
 
   std::size_t index(const std::string& metric) const { return study.metric_set.index(metric, {}); }
@@ -123,7 +123,8 @@ TEST_CASE("a quotient of means is known of rows that have both of its metrics") 
     if (row.metric == "length") lengths[row.level > 0 ? 1 : 0] += row.value;
   });
 
-  const ClaimScores scores({{&run.study, &run.plan, &run.older}}, {"anr", "random"}, Rng(1));
+  const auto measured = stored_measurements(run.study, run.plan, run.older);
+  const ClaimScores scores({{&run.study, measured.get()}}, {"anr", "random"}, Rng(1));
   const FormulaValue curve = scores.call("anr_pooled", asked);
   for (std::size_t level = 0; level < 2; ++level) {
     CHECK(curve.as_list("a test").items[level].as_number("a test").estimate() ==
@@ -133,7 +134,8 @@ TEST_CASE("a quotient of means is known of rows that have both of its metrics") 
 
 TEST_CASE("a quotient of means is not measured of rows that lack one of its metrics") {
   const OlderRun run(reversed({"length"}));
-  const ClaimScores scores({{&run.study, &run.plan, &run.older}}, {"anr", "random"}, Rng(1));
+  const auto measured = stored_measurements(run.study, run.plan, run.older);
+  const ClaimScores scores({{&run.study, measured.get()}}, {"anr", "random"}, Rng(1));
   const FormulaValue policy{std::string("nothing")};
 
   CHECK_THROWS_WITH_AS(scores.call("anr_pooled", {policy}), doctest::Contains("not measured: anr_pooled of nothing"),
@@ -145,7 +147,7 @@ TEST_CASE("a margin of a quotient of means lies where the quotient has fallen to
   Store store(folder.path, Store::Access::write);
   Study study = small_study({"evaluate.metrics=[\"anr_pooled\"]"});
   const Plan plan = run_study(study, store, {.threads = 1, .stop = {}, .watch = {}}).plan;
-  const Summary summary = summarise(study, plan, store, 1);
+  const Summary summary = summarise(*stored_measurements(study, plan, store), 1);
   const std::size_t pooled = study.metric_set.index("anr_pooled", {});
   constexpr std::size_t kRandom = 1;
 
@@ -164,7 +166,8 @@ TEST_CASE("a margin of a quotient of means lies where the quotient has fallen to
 
 TEST_CASE("a formula that asks for a metric that the rows lack is not testable") {
   const OlderRun run(reversed({"survival"}));
-  const ClaimScores scores({{&run.study, &run.plan, &run.older}}, {"anr", "random"}, Rng(1));
+  const auto measured = stored_measurements(run.study, run.plan, run.older);
+  const ClaimScores scores({{&run.study, measured.get()}}, {"anr", "random"}, Rng(1));
   const FormulaValue policy{std::string("nothing")};
 
   const double expected = run.expected.find(1, Trial::kNominal, 1)->at(run.index("anr"), 0).value;

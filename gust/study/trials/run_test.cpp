@@ -85,7 +85,7 @@ TEST_CASE("a summary agrees with the rows it came from") {
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
 
-  const Summary summary = summarise(study, outcome.plan, store, 2);
+  const Summary summary = summarise(*stored_measurements(study, outcome.plan, store), 2);
 
   double sum = 0;
   std::size_t count = 0;
@@ -112,7 +112,7 @@ TEST_CASE("the regulator stands a push of half the actuator and the bare plant f
   const Store store(folder.path / "store", Store::Access::write);
   const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
 
-  const Summary summary = summarise(study, outcome.plan, store, 1);
+  const Summary summary = summarise(*stored_measurements(study, outcome.plan, store), 1);
 
   const std::size_t survival = study.metric_set.index("survival", {});
   CHECK(summary.find(0, 0, 1)->at(survival, 1).value == 1.0);
@@ -137,7 +137,7 @@ TEST_CASE("automatic levels hold those that claims are about") {
   const Store store(folder.path / "store", Store::Access::write);
 
   const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
-  const Summary summary = summarise(study, outcome.plan, store, 1);
+  const Summary summary = summarise(*stored_measurements(study, outcome.plan, store), 1);
 
   const std::vector<double>& levels = study.sweeps[0].axes[0].values;
   CHECK(levels.size() == 12);
@@ -151,7 +151,7 @@ TEST_CASE("a claim whose trial is missing is told, and not decided") {
   Study study = small_study();
   const Store store(folder.path / "store", Store::Access::write);
 
-  const Summary summary = summarise(study, plan_with_store(study, store), store, 1);
+  const Summary summary = summarise(*stored_measurements(study, plan_with_store(study, store), store), 1);
 
   CHECK(claims_table(summary, 80) ==
         "not testable  falls  survival <= 0.8  not measured: evaluate nothing · nominal\n");
@@ -315,7 +315,8 @@ TEST_CASE("no two exported rows agree in all but the value, whatever kinds of sw
   const RunOutcome outcome = run_study(study, store, {.threads = 2, .stop = {}, .watch = {}});
   REQUIRE(outcome.failed() == 0);
   std::size_t added = 0;
-  for (const Series& series : summarise(study, outcome.plan, store, 1).series) added += series.added_levels.size();
+  for (const Series& series : summarise(*stored_measurements(study, outcome.plan, store), 1).series)
+    added += series.added_levels.size();
 
   export_csv(study, outcome.plan, store, folder.path / "rows.csv");
   export_sqlite(study, outcome.plan, store, folder.path / "rows.db");
