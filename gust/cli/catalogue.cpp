@@ -201,12 +201,15 @@ CatalogueKind site_kind() {
     CatalogueItem item{
         std::string(site_name(site)), kSummaries[static_cast<int>(site)], "docs/disturbances.md 1", {}, {}, {}, {}};
     std::string channel;
-    for (const Entry<Plant>& plant : plants().entries()) {
-      const Made<Plant> made = plant.make(Table{});
-      const std::vector<Component>& channels = channels_of(site, made->spec());
-      item.notes.emplace_back(cat("channels of ", plant.name), components_text(channels));
+    const auto add_channels = [&](const std::string& plant, const Interface& spec) {
+      const std::vector<Component>& channels = channels_of(site, spec);
+      if (channels.empty()) return;
+      item.notes.emplace_back(cat("channels of ", plant), components_text(channels));
       if (channel.empty()) channel = channels.front().name;
-    }
+    };
+    for (const Entry<Plant>& plant : plants().entries()) add_channels(plant.name, plant.make(Table{})->spec());
+    for (const Entry<LoopSource>& other : loop_sources().entries())
+      add_channels(other.name, other.make(Table{})->spec());
     item.example = cat("[[sweep]]\nname     = \"", item.name, " step\"\nsite     = \"", item.name, "\"\nchannels = [\"",
                        channel, "\"]\nwaveform = { kind = \"step\", offset = 2 }\n", "levels   = [0, 0.1, 0.2]");
     kind.items.push_back(std::move(item));

@@ -183,9 +183,9 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
                         {"root seed", cat(study.seed)},
                         {"machine", machine()},
                         {"made", now_text()}};
-  if (!rows.empty()) context.provenance.push_back({"rows", cat("measured elsewhere: ", rows)});
   if (const std::string missing = study.metric_set.not_applicable(); !missing.empty())
     context.provenance.emplace_back("metrics not applicable", missing);
+  if (!rows.empty()) context.provenance.push_back({"rows", cat("measured elsewhere: ", rows)});
   const std::filesystem::path page = into.empty() ? folder.report() : into / folder.report().filename();
   check_output(page, OutputKind::page, "page");
   write_file_atomically(page, render_page(study_page(study, summary, context)));

@@ -81,6 +81,10 @@ void EpisodeMeter::begin(std::size_t lane) {
 }
 
 void EpisodeMeter::record(const StepRecord& step) {
+  const std::size_t lanes = episodes_.size();
+  GUST_CHECK(step.reward.size() == lanes && step.state.rows == spec_.state.size() &&
+             step.goal.rows == spec_.error_weights.size() && (!spec_.fails || step.failed.size() == lanes) &&
+             (!spec_.tells_effort || step.disturbed.rows == spec_.action.size()));
   for (std::size_t lane = 0; lane < episodes_.size(); ++lane) record_lane(step, lane);
 }
 

@@ -60,7 +60,7 @@ class EpisodeMeter {
 
   /// Forgets what it knew of a lane.
   void begin(std::size_t lane);
-  /// Takes in the loop's last step.
+  /// Takes in the loop's last step; what the interface says is told must be there.
   void record(const StepRecord& step);
   const Episode& episode(std::size_t lane) const { return episodes_[lane]; }
 

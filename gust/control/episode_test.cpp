@@ -169,6 +169,7 @@ Interface four_steps() {
   Interface spec;
   spec.steps = 4;
   spec.control_rate = 10;
+  spec.tells_effort = false;
   return spec;
 }
 
@@ -211,4 +212,12 @@ TEST_CASE("an action that is not finite is told with the state, where a state is
   CHECK(not_finite_text({3, NAN, {1.5, -2}}, plant.spec()) ==
         "the policy gave NaN at step 3, state a = 1.5 m, b = -2 m");
   CHECK(not_finite_text({3, INFINITY, {}}, four_steps()) == "the policy gave an infinite action at step 3");
+}
+
+TEST_CASE("a record without what the interface says to be told is a mistake of the loop") {
+  Interface spec = four_steps();
+  spec.state = {{"x", "m"}};
+  EpisodeMeter meter(spec, 1);
+
+  CHECK_THROWS_AS(meter.record(Lane{}.record()), Bug);
 }

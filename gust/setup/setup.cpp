@@ -94,7 +94,7 @@ Setup plant_setup(const Entry<Plant>& entry, const Table& plant, const Table* re
 const Plant& Setup::equations(std::string_view what, const Place& place) const {
   if (const Plant* equations = plant->plant()) return *equations;
   throw error_at(place, what, " needs the equations of motion of a plant, and '", plant.kind,
-                 "' has none; policies that need none are zero and onnx");
+                 "' has none; choose a policy that acts on observations alone");
 }
 
 std::string Setup::readings_text() const { return preset.empty() ? std::string() : canonical_fields(readings); }

@@ -103,7 +103,7 @@ WRONG = {
     "a metric that is not applicable": (
         'metrics  = ["anr_h", "survival"]', 'metrics  = ["rmse_scg"]', "the metric 'rmse_scg' is not applicable: the plant tells no goal"),
     "a policy that needs equations": (
-        'kind = "zero"', 'kind = "lqr"', "lqr needs the equations of motion of a plant, and 'thermostat' has none; policies that need none are zero and onnx"),
+        'kind = "zero"', 'kind = "lqr"', "lqr needs the equations of motion of a plant, and 'thermostat' has none; choose a policy that acts on observations alone"),
     "a training": (
         'kind = "zero"', 'kind = "train"\nagent = { kind = "ppo" }', "a training needs the equations of motion of a plant, and 'thermostat' has none"),
     "a start by the state": (
@@ -194,6 +194,19 @@ def test_a_loop_that_tells_rewards_alone_is_measured_with_what_they_say(room):
     ]:
         (room.folder / "wrong.toml").write_text(DRIFT.replace(old, new))
         assert said in room("run", "wrong.toml", code=2).stderr
+
+
+def test_a_loop_that_breaks_fails_its_trial_and_the_study_goes_on(room):
+    text = DRIFT.replace('kind = "drift"', 'kind = "drift", breaks_at = 50').replace("[0, 0.1, 0.2]", "[0, 0.1, 0.2, 100]")
+    text += '[[sweep]]\nname = "noise"\nsite = "observation"\nwaveform = "white"\nlevels = [0, 1]\n'
+    (room.folder / "breaks.toml").write_text(text.replace('name   = "drift"', 'name   = "breaks"'))
+
+    done = room("run", "breaks.toml", code=1)
+
+    assert "the drift has broken" in done.stderr and "nothing · bias" in done.stderr
+    shown = room("show", "breaks.gust", code=1)
+    assert "noise" in shown.stdout and "nothing · bias" in shown.stdout + shown.stderr
+    assert (room.folder / "breaks.gust/report.html").exists()
 
 
 def test_the_worked_example_of_the_documents_is_this_thermostat():

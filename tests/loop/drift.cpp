@@ -7,18 +7,22 @@ namespace gust {
 namespace {
 
 /// The least that a loop can be: a number that drifts by 0.1 a step and by what the policy gives, and a reward of minus
-/// its size. Nobody is told a state, a force, what the actuator did or a failure.
+/// its size. Nobody is told a state, a force, what the actuator did or a failure. Far away it breaks, as an environment
+/// of somebody else may.
 struct Drift {
   double drift = 0.1;
+  double breaks_at = 1000.0;
 
-  static constexpr std::tuple kFields = {field("drift", &Drift::drift, "what is added in a step")};
+  static constexpr std::tuple kFields = {
+      field("drift", &Drift::drift, "what is added in a step"),
+      field("breaks_at", &Drift::breaks_at, "size of the number that breaks the loop", positive)};
 };
 
 class DriftLoop final : public Loop {
  public:
-  DriftLoop(const Interface& spec, double drift, std::span<const Injection> injections, std::size_t lanes)
+  DriftLoop(const Interface& spec, const Drift& of, std::span<const Injection> injections, std::size_t lanes)
       : spec_(spec),
-        drift_(drift),
+        of_(of),
         disturber_(injections, {spec.steps, spec.control_rate}, lanes),
         counter_(lanes, 0),
         reward_(lanes, 0.0),
@@ -43,7 +47,8 @@ class DriftLoop final : public Loop {
     for (std::size_t lane = 0; lane < lanes(); ++lane) action_.at(0, lane) = command.at(0, lane);
     disturber_.apply(Site::kAction, counter_, action_.view(), {});
     for (std::size_t lane = 0; lane < lanes(); ++lane) {
-      value_.at(0, lane) += drift_ + action_.at(0, lane);
+      value_.at(0, lane) += of_.drift + action_.at(0, lane);
+      if (std::abs(value_.at(0, lane)) > of_.breaks_at) throw Error("the drift has broken");
       reward_[lane] = -std::abs(value_.at(0, lane));
       seen_.at(0, lane) = value_.at(0, lane);
       ++counter_[lane];
@@ -53,7 +58,7 @@ class DriftLoop final : public Loop {
 
  private:
   const Interface& spec_;
-  double drift_;
+  Drift of_;
   Disturber disturber_;
   std::vector<std::int64_t> counter_;
   std::vector<double> reward_;
@@ -62,7 +67,7 @@ class DriftLoop final : public Loop {
 
 class Drifts final : public LoopSource {
  public:
-  explicit Drifts(const Drift& of) : drift_(of.drift) {
+  explicit Drifts(const Drift& of) : of_(of) {
     constexpr double kAny = std::numeric_limits<double>::infinity();
     spec_.observation = {{"value", "1"}};
     spec_.action = {{"change", "1"}};
@@ -82,12 +87,12 @@ class Drifts final : public LoopSource {
     return {episode.split("start").uniform(0)};
   }
   std::unique_ptr<Loop> make(std::span<const Injection> injections, std::size_t lanes) const override {
-    return std::make_unique<DriftLoop>(spec_, drift_, injections, lanes);
+    return std::make_unique<DriftLoop>(spec_, of_, injections, lanes);
   }
 
  private:
   Interface spec_;
-  double drift_;
+  Drift of_;
 };
 
 }  // namespace

@@ -145,8 +145,8 @@ TEST_CASE("what needs equations of motion, a site or readings says so in one sen
   CHECK(error_of([&] {
           setup.equations("lqr", {"s.toml", 2, 3});
         }) ==
-        "s.toml:2:3: lqr needs the equations of motion of a plant, and 'thermostat' has none; policies that need none "
-        "are zero and onnx");
+        "s.toml:2:3: lqr needs the equations of motion of a plant, and 'thermostat' has none; choose a policy that "
+        "acts on observations alone");
   CHECK(error_of([&] { injection(setup, "dynamics", "step"); }) ==
         "test: the plant has no site 'dynamics'; its sites are observation, action");
   const Table readings{{{"effort", {std::string("applied"), {"s.toml", 4, 5}}}}, {"s.toml", 4, 1}};

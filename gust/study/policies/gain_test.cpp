@@ -63,8 +63,8 @@ TEST_CASE("SciPy's gain of the cart-pole gives the closed loop of the regulator"
   const Setup setup = setup_of(kCartpole);
   const auto lqr = source_of("kind = \"lqr\"\nq = [5, 0.1, 1, 0.1]\nr = [1e-4]", setup);
   const auto scipy = source_of(cat("kind = \"gain\"\nk = ", toml(scipy_gain())), setup);
-  const auto own =
-      source_of(cat("kind = \"gain\"\nk = ", toml(lqr_gain(setup.equations("lqr", {}), {{5, 0.1, 1, 0.1}, {1e-4}}))), setup);
+  const auto own = source_of(
+      cat("kind = \"gain\"\nk = ", toml(lqr_gain(setup.equations("lqr", {}), {{5, 0.1, 1, 0.1}, {1e-4}}))), setup);
 
   CHECK(apart(*lqr, *scipy, setup) < 1e-8);  // the Riccati equation's condition is about 1e6
   CHECK(apart(*lqr, *own, setup) == 0.0);

@@ -23,7 +23,8 @@ class StorePlace final : public CheckpointPlace {
 
 class FilePlace final : public CheckpointPlace {
  public:
-  FilePlace(std::filesystem::path file, std::string identity) : file_(std::move(file)), identity_(std::move(identity)) {}
+  FilePlace(std::filesystem::path file, std::string identity)
+      : file_(std::move(file)), identity_(std::move(identity)) {}
 
   std::optional<std::string> load() const override {
     std::error_code unknown;
@@ -74,8 +75,7 @@ void keep_checkpoint(const Training& training, const CheckpointPlace& place,
 }
 
 bool train_to_end(Training& training, const CheckpointPlace& place, const std::stop_token& stop,
-                  const std::function<void(double)>& tell_share,
-                  const std::function<void(const std::string&)>& warn) {
+                  const std::function<void(double)>& tell_share, const std::function<void(const std::string&)>& warn) {
   CheckpointPace pace(kBetweenCheckpoints);
   while (!training.done()) {
     const bool stopping = stop.stop_requested();

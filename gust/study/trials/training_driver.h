@@ -32,8 +32,7 @@ std::unique_ptr<Training> begin_training(const Agent& agent, const TrainingTask&
 /// Advances to the end, keeping checkpoints now and then and when it is stopped; false if it was stopped before the
 /// end. Tells the share that is done. A checkpoint that cannot be written is a warning, and the training goes on.
 bool train_to_end(Training& training, const CheckpointPlace& place, const std::stop_token& stop,
-                  const std::function<void(double)>& tell_share,
-                  const std::function<void(const std::string&)>& warn);
+                  const std::function<void(double)>& tell_share, const std::function<void(const std::string&)>& warn);
 
 /// Keeps the state of a training now; what goes wrong is a warning.
 void keep_checkpoint(const Training& training, const CheckpointPlace& place,
