@@ -10,20 +10,20 @@
 namespace gust {
 namespace {
 
-using Comparison = Page::Comparison;
-using Pair = std::span<const Comparison>;
+using PageComparison = Page::Comparison;
+using Pair = std::span<const PageComparison>;
 
 std::string policy_html(const Page& page, std::size_t policy) {
   return cat("<b class=\"policy\" data-policy=\"", policy, "\">", escaped(page.policies[policy].name), "</b>");
 }
 
 /// The policy that is ahead; kNone where that is undecided.
-std::size_t leader(const Comparison& item, Standing standing) {
+std::size_t leader(const PageComparison& item, Standing standing) {
   if (standing == Standing::undecided) return Page::kNone;
   return standing == Standing::ahead ? item.a : item.b;
 }
 
-std::string verdict_html(const Page& page, const Comparison& item) {
+std::string verdict_html(const Page& page, const PageComparison& item) {
   const std::size_t first = leader(item, item.standing);
   const std::string needed = item.needed.empty() ? "" : cat("<small>", escaped(item.needed), "</small>");
   return cat(first == Page::kNone ? "undecided" : policy_html(page, first), needed);
@@ -35,7 +35,7 @@ std::string estimate_html(const Page::Estimate& estimate, double scale) {
 }
 
 /// "≥ 2.1", "≤ 0.5", "2.1 [1.8, 2.4]"
-std::string ratio_html(const Comparison& item) {
+std::string ratio_html(const PageComparison& item) {
   if (std::isnan(item.ratio.value)) return "<span class=\"missing\">–</span>";
   if (std::isnan(item.ratio_most)) return estimate_html(item.ratio, item.ratio.value);
   if (item.ratio.value > 0 && std::isinf(item.ratio_most)) return cat("≥&nbsp;", short_number(item.ratio.value));
@@ -51,7 +51,7 @@ std::string share_html(const Page::Estimate& share) {
 }
 
 /// Who is ahead from the first level to the last, as a bar in their colours.
-std::string strip_html(const Comparison& item) {
+std::string strip_html(const PageComparison& item) {
   if (item.levels.size() < 2) return "";
   std::string parts;
   const double width = 100.0 / static_cast<double>(item.levels.size());
@@ -68,15 +68,15 @@ std::string strip_html(const Comparison& item) {
              item.levels.size(), " levels\">", parts, "</svg>");
 }
 
-std::string row_html(const Page& page, const Comparison& item) {
+std::string row_html(const Page& page, const PageComparison& item) {
   return cat("<tr><th scope=\"row\">", escaped(item.name), "</th><td>", verdict_html(page, item), "</td><td>",
              estimate_html(item.difference, 1), "</td><td>", ratio_html(item), "</td><td>",
              share_html(item.improvement), "</td><td>", strip_html(item), "</td></tr>\n");
 }
 
 std::string pair_html(const Page& page, Pair pair, bool open) {
-  const Comparison& any = pair.front();
-  const auto count = [&](Standing wanted) { return std::ranges::count(pair, wanted, &Comparison::standing); };
+  const PageComparison& any = pair.front();
+  const auto count = [&](Standing wanted) { return std::ranges::count(pair, wanted, &PageComparison::standing); };
   std::string out =
       cat("<details class=\"pair\"", open ? " open" : "", "><summary>", policy_html(page, any.a), " against ",
           policy_html(page, any.b), " <small>ahead in ", count(Standing::ahead), ", behind in ",
@@ -86,7 +86,7 @@ std::string pair_html(const Page& page, Pair pair, bool open) {
           "\"><table>\n<thead><tr><th scope=\"col\">sweep</th><th scope=\"col\">ahead</th><th "
           "scope=\"col\">difference</th><th scope=\"col\">ratio of margins</th><th scope=\"col\">scores "
           "higher</th><th scope=\"col\">by level</th></tr></thead>\n<tbody>\n");
-  for (const Comparison& item : pair) out += row_html(page, item);
+  for (const PageComparison& item : pair) out += row_html(page, item);
   return out + "</tbody></table></div></details>\n";
 }
 
@@ -94,7 +94,7 @@ std::string pair_html(const Page& page, Pair pair, bool open) {
 
 std::string comparisons_html(const Page& page) {
   std::string out;
-  const std::vector<Comparison>& all = page.comparisons;
+  const std::vector<PageComparison>& all = page.comparisons;
   for (std::size_t from = 0, end = 0; from < all.size(); from = end) {
     while (end < all.size() && all[end].a == all[from].a && all[end].b == all[from].b) ++end;
     out += pair_html(page, Pair(all).subspan(from, end - from), from == 0);

@@ -13,10 +13,10 @@ namespace {
 constexpr std::size_t kMostRows = 400;
 
 using Row = std::vector<const Page::Margin*>;  // by policy; null where there is none
-using Rows = std::map<std::size_t, Row>;       // by sweep
+using MarginRows = std::map<std::size_t, Row>;       // by sweep
 
-Rows rows_of(const Page& page, std::size_t start) {
-  Rows rows;
+MarginRows rows_of(const Page& page, std::size_t start) {
+  MarginRows rows;
   for (const auto& margin : page.margins) {
     if (margin.start != start) continue;
     Row& row = rows[margin.sweep];
@@ -104,7 +104,7 @@ std::string head_html(const Page& page, std::size_t start) {
 
 std::string group_name(const Page::Sweep& sweep) { return sweep.site.empty() ? "parameters" : sweep.site; }
 
-std::string table_html(const Page& page, std::size_t start, const Rows& rows) {
+std::string table_html(const Page& page, std::size_t start, const MarginRows& rows) {
   std::vector<std::string> groups;
   std::map<std::string, std::string> bodies;
   std::size_t shown = 0;
@@ -132,7 +132,7 @@ std::string table_html(const Page& page, std::size_t start, const Rows& rows) {
 std::string margins_table(const Page& page) {
   std::string out;
   for (std::size_t start = 0; start < page.starts.size(); ++start) {
-    const Rows rows = rows_of(page, start);
+    const MarginRows rows = rows_of(page, start);
     if (!rows.empty()) out += table_html(page, start, rows);
   }
   return out;
