@@ -4,7 +4,7 @@
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
 #include "gust/nn/initialise.h"
-#include "gust/study/trials/network_policy.h"
+#include "gust/study/policies/network_policy.h"
 
 // One cell of a study: 25 episodes of 250 steps of a 64x64 tanh policy under white noise on the dynamics, with every
 // metric; one core. `ms` is the shortest of many runs.

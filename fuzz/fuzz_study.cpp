@@ -27,7 +27,7 @@ const std::string& small_policy() {
 }
 
 /// Finds the small policy by its name, nothing for names that say so, and else the file that the input ends with.
-std::vector<gust::StudyPolicy::File> find(const std::string& pattern, const std::string& file) {
+std::vector<gust::StudyFile> find(const std::string& pattern, const std::string& file) {
   if (pattern == "policy.onnx") return {{pattern, small_policy()}};
   if (pattern == "two*.onnx") return {{"two-1.onnx", small_policy()}, {"two-2.onnx", small_policy()}};
   if (pattern.starts_with("no")) return {};

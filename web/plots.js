@@ -41,6 +41,7 @@ function episodeGroups(episode, rates) {
     {...trace, name: `${trace.name} applied`, colour: '--applied', dash: i === 0 ? [] : [6, 2]},
   ]);
   if (actions.length > 0) groups.push(group(axisTitle('action', episode.applied[0].unit), actions, rate, true));
+  for (const trace of episode.memory ?? []) groups.push(group(axisTitle(trace.name, trace.unit), [{...trace, colour: '--ink'}], rate, true));
   for (const site of new Set(episode.disturbances.map((push) => push.site))) groups.push(pushGroup(episode, site, `disturbance of the ${site}`));
   groups.push(group('reward', [{name: 'reward', v: episode.reward, colour: '--ink'}], rate, true));
   return groups;
@@ -54,6 +55,7 @@ function episodeRows(episode) {
     ...Object.fromEntries(episode.states.map((trace) => [trace.name, at(trace.v, k)])),
     ...Object.fromEntries(episode.commanded.map((trace) => [`${trace.name}_commanded`, at(trace.v, k)])),
     ...Object.fromEntries(episode.applied.map((trace) => [`${trace.name}_applied`, at(trace.v, k)])),
+    ...Object.fromEntries((episode.memory ?? []).map((trace) => [trace.name, at(trace.v, k)])),
     ...Object.fromEntries(episode.disturbances.map((push) => [`${push.site}_${push.name}`, at(push.v, k)])),
     reward: at(episode.reward, k),
   }));

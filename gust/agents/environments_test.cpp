@@ -114,6 +114,34 @@ TEST_CASE("a ramp goes on through the episodes of an environment, from saved byt
   }
 }
 
+TEST_CASE("what an effect remembers goes on from saved bytes as if it had never stopped, at every site") {
+  const auto plant = cartpole(40);
+  std::vector<Injection> injections;
+  for (const char* site : {"observation", "action", "dynamics"}) {
+    Table table{{{"site", Value{std::string(site), {}}}, {"effect", Value{std::string("delay"), {}}}}, {}};
+    table.set("level", {0.033, {}});
+    if (site == std::string("dynamics")) injections.push_back(disturbance(Site::kDynamics, waveform("white"), 2));
+    injections.push_back(read_injection(table, plant->spec()));
+  }
+  const TrainingTask task{plant.object.get(), {}, injections, 1};
+  Environments whole(task, 3, Rng(1)), resumed(task, 3, Rng(1));
+
+  push(whole, 57, 1.0);  // in the second episode
+  Saver saver;
+  whole.save(saver);
+  const std::string bytes = saver.take();
+  Loader loader(bytes);
+  resumed.load(loader);
+
+  for (int k = 0; k < 10; ++k) {
+    for (std::size_t lane = 0; lane < 3; ++lane) {
+      for (std::size_t i = 0; i < 4; ++i) CHECK(whole.observation().at(i, lane) == resumed.observation().at(i, lane));
+    }
+    push(whole, 1, -1.0);
+    push(resumed, 1, -1.0);
+  }
+}
+
 TEST_CASE("8.8.1 a drawn parameter holds over its episode and changes at every reset") {
   const AdderPlant plant;  // a grows by gain * u a step: what it grew by is the gain that was drawn
   const Place place{"test"};

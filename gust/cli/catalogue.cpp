@@ -9,6 +9,7 @@
 #include "gust/setup/presets.h"
 #include "gust/setup/setup.h"
 #include "gust/sim/distribution.h"
+#include "gust/study/policies/policy_source.h"
 
 namespace gust {
 namespace {
@@ -71,6 +72,21 @@ CatalogueKind waveform_kind() {
   return kind;
 }
 
+CatalogueKind effect_kind() {
+  CatalogueKind kind{"effect", "effects", {}};
+  for (const Entry<Effect>& entry : effects().entries()) {
+    CatalogueItem item = item_of(entry);
+    const Made<Effect> made = entry.make(Table{});
+    item.notes = {{"level", cat("in ", made->unit(), ", from 0, which changes no bit")},
+                  {"random", made->random() ? "yes; every channel has its own stream" : "no"}};
+    item.example = cat("[[sweep]]\nname   = \"action ", entry.name,
+                       "\"\nsite   = \"action\"\neffect = ", inline_table(entry.name, entry.fields),
+                       "\nlevels = [0, 0.01, 0.02, 0.04, 0.08]");
+    kind.items.push_back(std::move(item));
+  }
+  return kind;
+}
+
 std::string policy_example(std::string_view agent, std::string_view profile) {
   return cat("[[policy]]\nname  = \"", agent, "\"\nkind  = \"train\"\nagent = { kind = \"", agent, "\", profile = \"",
              profile, "\", steps = 1_000_000 }\nseeds = [1, 2, 3]");
@@ -83,6 +99,13 @@ std::string agent_of(const Preset& preset) {
       if (has_agent_profile(preset, agent, plant)) return agent;
   }
   throw Bug(cat("the preset ", preset.name, " is of no use"));
+}
+
+CatalogueKind policy_sources() {
+  CatalogueKind kind{"policy", "policies", {}};
+  for (const PolicyKind& entry : policy_kinds())
+    kind.items.push_back({entry.name, entry.summary, entry.source, entry.fields, {}, {}, entry.example});
+  return kind;
 }
 
 CatalogueKind agent_kind() {
@@ -188,8 +211,8 @@ CatalogueKind command_kind(const CLI::App& program) {
 }  // namespace
 
 std::vector<CatalogueKind> catalogue(const CLI::App& program) {
-  return {plant_kind(),  waveform_kind(), agent_kind(), distribution_kind(),
-          metric_kind(), preset_kind(),   site_kind(),  command_kind(program)};
+  return {plant_kind(),        policy_sources(), waveform_kind(), effect_kind(), agent_kind(),
+          distribution_kind(), metric_kind(),    preset_kind(),   site_kind(),   command_kind(program)};
 }
 
 const CatalogueKind& find_kind(const std::vector<CatalogueKind>& kinds, std::string_view name) {

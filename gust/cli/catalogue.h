@@ -28,7 +28,7 @@ struct CatalogueKind {
   std::vector<CatalogueItem> items;
 };
 
-/// Everything there is: plants, waveforms, agents, metrics, presets, sites and the program's commands.
+/// Everything there is: plants, policies, waveforms, agents, metrics, presets, sites and the program's commands.
 std::vector<CatalogueKind> catalogue(const CLI::App& program);
 
 /// The kind of a name, singular or plural, and the item of a name; an Error with the nearest name if there is none.

@@ -5,6 +5,7 @@
 #include "gust/cli/catalogue.h"
 #include "gust/cli/command.h"
 #include "gust/core/text.h"
+#include "gust/study/policies/policy_source.h"
 
 namespace gust {
 namespace {
@@ -33,11 +34,13 @@ Words known_words(const std::vector<CatalogueKind>& kinds) {
     for (const CatalogueItem& item : find_kind(kinds, kind).items) list.push_back(item.name);
     return list;
   };
-  for (const char* kind : {"plant", "preset", "waveform", "site"}) words[cat("--", kind)] = names(kind);
+  for (const char* kind : {"plant", "preset", "waveform", "effect", "site"}) words[cat("--", kind)] = names(kind);
   words["--terminate"] = {"yes", "no"};
   words["--start"] = {"nominal", "random"};
   words["--color"] = {"auto", "always", "never"};
-  words["eval"] = {"lqr", "pd", "zero"};
+  for (const PolicyKind& kind : policy_kinds()) {
+    if (!kind.trained) words["eval"].push_back(kind.name);
+  }
   words["train"] = names("agent");
   words["help"] = names("command");
   words["completion"] = {"bash", "zsh", "fish"};

@@ -4,9 +4,10 @@
 
 #include "gust/cli/settings.h"
 #include "gust/cli/text_output.h"
+#include "gust/study/policies/file_policy.h"
 #include "gust/study/text/parse.h"
 #include "gust/study/text/warnings.h"
-#include "gust/study/trials/policies.h"
+#include "gust/study/trials/folder.h"
 #include "gust/study/trials/policy_notes.h"
 
 namespace gust {
@@ -17,6 +18,7 @@ constexpr std::int64_t kMostEpisodes = 100'000;
 /// A request read and checked; the evaluation refers to the rest.
 struct Prepared {
   Setup setup;
+  Table policy;  ///< its keys that --set gave
   std::vector<Injection> injections;
   SweepCell cell;
   StartProtocol start;
@@ -26,7 +28,7 @@ struct Prepared {
 
 /// The options of --set, by what they belong to.
 struct Settings {
-  Table plant, readings, waveform, injection;
+  Table plant, readings, shape, injection, policy;
 };
 
 std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
@@ -40,12 +42,15 @@ Settings read_settings(const EvalRequest& request) {
   Settings settings;
   std::vector<SettingGroup> groups = {{&settings.injection, {"channels", "mask", "start", "end"}},
                                       {&settings.readings, field_names<Readings>()}};
-  if (!request.waveform.empty()) {
-    groups.push_back({&settings.waveform, names_of(waveforms().at(request.waveform, {"--waveform"}).fields)});
-  }
+  if (!request.waveform.empty())
+    groups.push_back({&settings.shape, names_of(waveforms().at(request.waveform, {"--waveform"}).fields)});
+  if (!request.effect.empty())
+    groups.push_back({&settings.shape, names_of(effects().at(request.effect, {"--effect"}).fields)});
   groups.push_back({&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)});
-  sort_settings(request.settings, groups,
-                request.waveform.empty() ? "; options of a waveform need --site, --waveform and --level" : "");
+  groups.push_back({&settings.policy, names_of(request.kind().fields)});
+  sort_settings(
+      request.settings, groups,
+      request.shape().empty() ? "; options of a disturbance need --site, --waveform or --effect, and --level" : "");
   return settings;
 }
 
@@ -58,21 +63,24 @@ Setup prepare_setup(const EvalRequest& request, const Settings& settings) {
 }
 
 std::vector<Injection> prepare_injections(const EvalRequest& request, const Settings& settings, const PlantSpec& spec) {
-  const bool any = !request.site.empty() || !request.waveform.empty() || !request.level.empty();
-  const bool all = !request.site.empty() && !request.waveform.empty() && !request.level.empty();
-  if (any && !all) throw Error("a disturbance needs all of --site, --waveform and --level");
+  if (!request.waveform.empty() && !request.effect.empty())
+    throw Error("--effect: a disturbance has a --waveform or an --effect, not both");
+  const bool any = !request.site.empty() || !request.shape().empty() || !request.level.empty();
+  const bool all = !request.site.empty() && !request.shape().empty() && !request.level.empty();
+  if (any && !all) throw Error("a disturbance needs all of --site, --waveform (or --effect) and --level");
   if (!any && !settings.injection.items.empty()) {
     throw Error(cat("--set: '", settings.injection.items.front().first,
-                    "' belongs to a disturbance: give --site, --waveform and --level"));
+                    "' belongs to a disturbance: give --site, --waveform (or --effect) and --level"));
   }
   std::vector<Injection> injections;
   if (!any) return injections;
-  Table waveform = settings.waveform;
-  waveform.place = {"--set"};
-  waveform.set("kind", {request.waveform, {"--waveform"}});
+  const char* key = request.effect.empty() ? "waveform" : "effect";
+  Table shape = settings.shape;
+  shape.place = {"--set"};
+  shape.set("kind", {request.shape(), {cat("--", key)}});
   Table table = settings.injection;
   table.set("site", {request.site, {"--site"}});
-  table.set("waveform", {waveform, {"--set"}});
+  table.set(key, {shape, {"--set"}});
   table.set("level", value_from_text(request.level, {"--level"}));
   injections.push_back(parse_injection(table, spec));
   return injections;
@@ -134,6 +142,7 @@ Prepared prepare(const EvalRequest& request) {
   const Settings settings = read_settings(request);
   Prepared prepared;
   prepared.setup = prepare_setup(request, settings);
+  prepared.policy = settings.policy;
   const PlantSpec& spec = prepared.setup.plant->spec();
   prepared.injections = prepare_injections(request, settings, spec);
   prepared.cell.parameters = prepare_parameters(request, settings, prepared.setup);
@@ -147,21 +156,33 @@ Prepared prepare(const EvalRequest& request) {
   return prepared;
 }
 
-FilePolicy prepare_policy(const EvalRequest& request, const Setup& setup, std::string_view bytes,
-                          const OnnxData& data) {
+/// The table of the policy: a name or a file, and the options that its kind has.
+Table policy_table(const EvalRequest& request, const PolicyKind& kind, Table table) {
+  table.place = {"POLICY"};
+  if (request.has_file()) table.set("file", {request.policy, table.place});
   if (!request.has_file() && !request.output.empty()) throw Error("--output: is for a policy in a file");
-  Table table;
+  const std::vector<std::string> keys = names_of(kind.fields);
   const std::pair<const char*, const std::string*> options[] = {
-      {"observe", &request.observe}, {"act", &request.act}, {"units", &request.units}};
+      {"output", &request.output}, {"observe", &request.observe}, {"act", &request.act}, {"units", &request.units}};
   for (const auto& [key, text] : options) {
     if (text->empty()) continue;
-    if (!request.has_file())
+    if (std::ranges::find(keys, key) == keys.end())
       throw Error(cat("--", key, ": is for a policy from a file; '", request.policy, "' is gust's own"));
+    if (table.contains(key)) throw Error(cat("--", key, ": is given by --set as well"));
     table.set(key, setting_value(*text, {cat("--", key)}));
   }
-  if (!request.has_file()) return {.policy = make_policy(request.policy, setup, {"POLICY"})};
-  const PolicyUse use{.output = request.output, .data = &data, .interface = read_interface(table, setup.plant->spec())};
-  return file_policy(bytes, request.policy, setup, use);
+  return table;
+}
+
+std::shared_ptr<const PolicySource> prepare_policy(const EvalRequest& request, const Setup& setup, const Table& keys,
+                                                   const StudyFile& file) {
+  const PolicyKind& kind = request.kind();
+  if (kind.trained)
+    throw Error(cat("POLICY: '", kind.name, "' has to be trained first (gust train); give the file that it leaves"));
+  const FindFiles find = [&](const std::string& pattern, const Place& place) {
+    return request.has_file() ? std::vector{file} : files_beside({})(pattern, place);
+  };
+  return kind.read(policy_table(request, kind, keys), {setup, find, {"POLICY"}});
 }
 
 /// The hint if most episodes, which nothing disturbs, end within a second.
@@ -192,6 +213,21 @@ std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard)
   throw Error(cat("--episodes: must be 1 to ", kMostEpisodes, ", got ", *request.episodes));
 }
 
+const PolicyKind& EvalRequest::kind() const {
+  for (const PolicyKind& kind : policy_kinds()) {
+    if (kind.name == policy || (!kind.file_ending.empty() && policy.ends_with(kind.file_ending))) return kind;
+  }
+  std::vector<std::string> names, endings;
+  for (const PolicyKind& kind : policy_kinds()) {
+    if (!kind.trained) names.push_back(kind.name);
+    if (!kind.file_ending.empty()) endings.push_back(kind.file_ending);
+  }
+  throw Error(cat("POLICY: unknown policy '", policy, "'", did_you_mean(policy, names), "; policies are ",
+                  join(names, ", "), ", or a file that ends in ", join(endings, ", ")));
+}
+
+bool EvalRequest::has_file() const { return kind().name != policy; }
+
 EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const Episode& episode, bool terminate) {
   const EpisodePart& part = episode.part(terminate);
   const std::optional<NotFiniteAction> action = not_finite_action(evaluation, index, episode);
@@ -212,7 +248,9 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
 EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data) {
   const Prepared prepared = prepare(request);
   for (const std::string& warning : plant_warnings(prepared.setup)) tell(cat("warning: ", warning));
-  const FilePolicy file = prepare_policy(request, prepared.setup, policy_bytes, data);
+  const auto source =
+      prepare_policy(request, prepared.setup, prepared.policy, {request.policy, std::string(policy_bytes), data});
+  const std::unique_ptr<Policy> policy = source->make(prepared.setup, {});
   const PlantSpec& spec = prepared.setup.plant->spec();
   for (const std::string& warning : wave_warnings(prepared.injections, spec)) tell(cat("warning: ", warning));
   const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
@@ -225,14 +263,14 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, c
   const MetricSet metric_set;
   EvalResult result;
   std::vector<EvalRow>& rows = result.rows;
-  evaluate(evaluation, *file.policy, [&](const EpisodeIndex& index, const Episode& episode) {
+  evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
     rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
     rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
     rows.back().applies = metric_set.applying(evaluation.plant->spec());
   });
-  result.notes.push_back(file.unit_warning);
+  result.notes = source->warnings();
   const bool undisturbed = prepared.injections.empty() && request.parameters.empty();
-  if (file.foreign && undisturbed) result.notes.push_back(failure_note(request.policy, rows, spec));
+  if (source->foreign() && undisturbed) result.notes.push_back(failure_note(request.policy, rows, spec));
   std::erase(result.notes, "");
   return result;
 }

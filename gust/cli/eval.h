@@ -7,14 +7,13 @@
 
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
-#include "gust/onnx/data.h"
-#include "gust/setup/setup.h"
+#include "gust/study/policies/policy_source.h"
 
 namespace gust {
 
 /// What `gust eval` is asked, as it was typed.
 struct EvalRequest {
-  std::string policy;  ///< lqr, zero, pd, or the path of an ONNX file; with a study one of its policies
+  std::string policy;  ///< a kind of policy, or the path of a file; with a study one of its policies
   std::string output;  ///< of the ONNX file; empty: read_onnx finds it
   std::string study;   ///< result folder; the plant and all that follows but start, level and episodes are then its own
   std::string sweep;   ///< of the study; empty: undisturbed
@@ -22,15 +21,21 @@ struct EvalRequest {
   std::string preset = std::string(kStandardPreset);
   std::string start;                    ///< "nominal", "random", or "x,x_dot,…"; of a study one of its starts
   std::string site, waveform, level;    ///< all or none; of a study's grid two levels, "0.5,0.1"
-  std::vector<std::string> settings;    ///< key=value: of the waveform, the injection, the readings or the plant
+  std::string effect = {};              ///< in place of a waveform
+  std::vector<std::string> settings;    ///< key=value: of the waveform, the injection, the readings, plant or policy
   std::vector<std::string> parameters;  ///< name=value or name=xfactor: the plant that the policy meets
   std::string observe, act, units;      ///< how a file's policy sees and acts: TOML, or names with commas between
   std::string terminate = "yes";        ///< or "no"
   std::optional<std::int64_t> episodes;
   std::int64_t seed = 1;
 
+  /// The kind of the policy, which is named or is that of the file's ending. Throws Error if there is none.
+  const PolicyKind& kind() const;
   /// Whether the policy is a file, whose bytes run_eval takes.
-  bool has_file() const { return policy.ends_with(".onnx"); }
+  bool has_file() const;
+
+  /// The kind of the disturbance, be it a waveform or an effect.
+  const std::string& shape() const { return effect.empty() ? waveform : effect; }
 };
 
 /// One episode of `gust eval`. With `terminate = no` its steps are those of the whole horizon.

@@ -3,16 +3,18 @@
 #include <algorithm>
 
 #include "gust/core/text.h"
+#include "gust/study/text/parse.h"
 
 namespace gust {
 namespace {
 
 const Place kPlace{"--set"};
 
-/// A mask such as 0010 is text, for its zeros count.
+/// A mask such as 0010 is text, for its zeros count. Lists and tables are TOML if they read as such.
 Value value_of(const Setting& setting) {
   const bool digits = setting.text.find_first_not_of("01") == std::string::npos;
   if (setting.key == "mask" && digits) return {setting.text, kPlace};
+  if (setting.text.front() == '[' || setting.text.front() == '{') return setting_value(setting.text, kPlace);
   return value_from_text(setting.text, kPlace);
 }
 

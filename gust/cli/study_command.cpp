@@ -45,7 +45,7 @@ Json margin_json(const Study& study, const Summary& summary, const Series& serie
   return {{"policy", study.policies[series.policy].name},
           {"sweep", sweep.name},
           {"site", site_name(sweep.injection->site)},
-          {"waveform", sweep.injection->waveform.kind},
+          {"waveform", sweep.injection->kind()},
           {"start", study.starts[series.start].name},
           {"undisturbed", number(summary.undisturbed(series.policy, series.start))},
           {"margin", number(series.margin.level.estimate)},

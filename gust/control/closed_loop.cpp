@@ -20,6 +20,10 @@ void for_each_pack(std::size_t lanes, F&& f) {
   for (std::size_t lane = 0; lane < lanes; lane += kPackLanes) f(lane);
 }
 
+DisturbedLoop disturbed_loop(const PlantSpec& spec) {
+  return {spec.steps, spec.control_rate, std::lround(spec.physics_rate / spec.control_rate), spec.action_goal};
+}
+
 Effort effort_from(std::string_view name) {
   if (name == "commanded") return Effort::kCommanded;
   return name == "disturbed" ? Effort::kDisturbed : Effort::kApplied;
@@ -33,7 +37,7 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       effort_(effort_from(readings.effort)),
       boxed_(readings.command_clip == "box" || readings.saturate == "before"),
       saturates_(readings.saturate == "after"),
-      disturber_(injections, plant.spec().steps, lanes),
+      disturber_(injections, disturbed_loop(plant.spec()), lanes),
       lanes_(lanes),
       counter_(lanes, 0),
       failed_(lanes, 0),
@@ -52,6 +56,12 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       reward_applied_(1, lanes),
       cost_(1, lanes) {
   const std::size_t states = goal_.rows();
+  if (disturber_.may_split()) {
+    early_action_ = early_applied_ = Matrix<double>(plant.spec().action.size(), lanes);
+    early_force_ = Matrix<double>(plant.spec().force.size(), lanes);
+    early_observation_ = Matrix<double>(states, lanes);
+    substeps_ = Matrix<double>(std::size(kSites), lanes);
+  }
   references_.resize(plant.spec().references * states);
   for (std::size_t sample = 0; sample < plant.spec().references; ++sample)
     plant.reference(sample, std::span(references_).subspan(sample * states, states));
@@ -77,11 +87,34 @@ void ClosedLoop::step(Rows<const double> command, const Offsets& offsets) noexce
   disturb_actions(offsets.action);
   saturate_actions();
   set_forces(offsets.force);
-  plant_.advance({state_.view(), parameters_.view(), applied_.view(), force_.view()});
+  advance();
   for (std::int64_t& counter : counter_) ++counter;
   set_goal();
   judge();
   observe(offsets.observation);
+}
+
+/// Moves the plant; in two parts where a signal changes within the step in any lane.
+void ClosedLoop::advance() noexcept {
+  const Motion motion{state_.view(), parameters_.view(), applied_.view(), force_.view()};
+  if (!disturber_.may_split()) return plant_.advance(motion);
+  const double substeps = std::round(plant_.spec().physics_rate / plant_.spec().control_rate);
+  for (const Site site : kSites) {
+    const std::span<const double> split = disturber_.split(site);
+    const std::span<double> at = substeps_.row(static_cast<std::size_t>(site));
+    for (std::size_t lane = 0; lane < lanes_; ++lane)
+      at[lane] = site == Site::kObservation ? substeps - split[lane] : split[lane];
+  }
+  const auto of = [&](Site site) {
+    return Rows<const double>{substeps_.row(static_cast<std::size_t>(site)).data(), 1, lanes_, 0};
+  };
+  const SplitStep split{.action = early_applied_.view(),
+                        .force = early_force_.view(),
+                        .action_until = of(Site::kAction),
+                        .force_until = of(Site::kDynamics),
+                        .seen_after = of(Site::kObservation),
+                        .seen = early_observation_.view()};
+  plant_.advance({motion.state, motion.parameters, motion.action, motion.force, &split});
 }
 
 /// The policy's unit becomes the physical one; with a box (or where saturation comes first) the command is clipped.
@@ -104,15 +137,22 @@ void ClosedLoop::disturb_actions(Rows<const double> offset) noexcept {
   for (std::size_t i = 0; i < disturbed_.rows(); ++i) {
     std::ranges::copy(command_.row(i), disturbed_.row(i).begin());
   }
-  disturber_.apply(Site::kAction, counter_, disturbed_.view(), offset);
+  for (std::size_t i = 0; i < early_action_.rows(); ++i)
+    std::ranges::copy(command_.row(i), early_action_.row(i).begin());
+  disturber_.apply(Site::kAction, counter_, disturbed_.view(), offset, early_action_.view());
 }
 
 void ClosedLoop::saturate_actions() noexcept {
+  saturate(disturbed_, applied_);
+  saturate(early_action_, early_applied_);
+}
+
+void ClosedLoop::saturate(const Matrix<double>& wanted, Matrix<double>& applied) const noexcept {
   const PlantSpec& spec = plant_.spec();
-  for (std::size_t i = 0; i < applied_.rows(); ++i) {
+  for (std::size_t i = 0; i < applied.rows(); ++i) {
     for (std::size_t lane = 0; lane < lanes_; ++lane) {
-      const double sum = disturbed_.at(i, lane);
-      applied_.at(i, lane) = saturates_ ? clip(sum, spec.action_low[i], spec.action_high[i]) : sum;
+      const double sum = wanted.at(i, lane);
+      applied.at(i, lane) = saturates_ ? clip(sum, spec.action_low[i], spec.action_high[i]) : sum;
     }
   }
 }
@@ -120,7 +160,8 @@ void ClosedLoop::saturate_actions() noexcept {
 /// Set once a control step and held over its substeps.
 void ClosedLoop::set_forces(Rows<const double> offset) noexcept {
   for (std::size_t i = 0; i < force_.rows(); ++i) std::ranges::fill(force_.row(i), 0.0);
-  disturber_.apply(Site::kDynamics, counter_, force_.view(), offset);
+  for (std::size_t i = 0; i < early_force_.rows(); ++i) std::ranges::fill(early_force_.row(i), 0.0);
+  disturber_.apply(Site::kDynamics, counter_, force_.view(), offset, early_force_.view());
 }
 
 /// State `sample` of the reference, which stands still at its end.
@@ -205,7 +246,7 @@ void ClosedLoop::observe(Rows<const double> offset) noexcept {
   if (plant_.spec().horizon > 0) {
     for (std::size_t lane = 0; lane < lanes_; ++lane) show_references(lane);
   }
-  disturber_.apply(Site::kObservation, counter_, observation_.view(), offset);
+  disturber_.apply(Site::kObservation, counter_, observation_.view(), offset, early_observation_.view());
 }
 
 std::vector<double> nominal_parameters(const PlantSpec& spec) {

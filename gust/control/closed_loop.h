@@ -70,7 +70,9 @@ class ClosedLoop {
   void command_actions(Rows<const double> command) noexcept;
   void disturb_actions(Rows<const double> offset) noexcept;
   void saturate_actions() noexcept;
+  void saturate(const Matrix<double>& wanted, Matrix<double>& applied) const noexcept;
   void set_forces(Rows<const double> offset) noexcept;
+  void advance() noexcept;
   void judge() noexcept;
   void charge(Rows<const double> action, std::span<double> reward) const noexcept;
   void observe(Rows<const double> offset) noexcept;
@@ -90,6 +92,8 @@ class ClosedLoop {
   std::vector<double> not_finite_;
   Matrix<double> state_, parameters_, goal_, observation_;
   Matrix<double> command_, commanded_, disturbed_, applied_, force_;
+  // Where signals change within a control step: what comes before the change, and after how many substeps it lies.
+  Matrix<double> early_action_, early_applied_, early_force_, early_observation_, substeps_;
   Matrix<double> reward_commanded_, reward_disturbed_, reward_applied_, cost_;
 };
 

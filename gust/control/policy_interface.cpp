@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostNumbers = 4096;
 constexpr std::string_view kNormalised = "normalised";
+constexpr std::string_view kPercent = "%";
 
 using Form = ObservedNumber::Form;
 
@@ -120,6 +121,10 @@ GivenNumber in_unit(const GivenNumber& given, const Value& unit, const PlantSpec
                    " and does not say what a normalised action is: give ", "act = { scale = … }, the ", input.unit,
                    " of an action of 1");
   }
+  if (name == kPercent) {
+    const double one = (spec.normalized_action ? 1.0 : spec.action_high[action]) / 100;
+    return {given.scale * one, given.offset * one};
+  }
   const double per_newton = units_in(name, input.unit, cat("the action ", input.name), unit.place);
   const GivenNumber physical = {given.scale / per_newton, given.offset / per_newton};
   if (!spec.normalized_action) return physical;
@@ -165,6 +170,8 @@ class TranslatedPolicy final : public Policy {
 
   std::size_t observations() const override { return observations_; }
   std::size_t actions() const override { return policy_->actions(); }
+  std::vector<Component> memory() const override { return policy_->memory(); }
+  Rows<const double> remembered() const override { return policy_->remembered(); }
 
   void act(Rows<const double> observation, std::span<const std::int64_t> step, Rows<double> action) override {
     if (interface_.observe.empty()) {
@@ -231,6 +238,34 @@ PolicyInterface read_interface(const Table& table, const PlantSpec& spec) {
   interface.says_unit = act != nullptr || units != nullptr;
   interface.act = read_act(act, units, spec);
   return interface;
+}
+
+NamedUnits read_units(const Value* units, const PlantSpec& spec) {
+  NamedUnits named{std::vector<double>(spec.state.size(), 1.0), std::vector<GivenNumber>(spec.action.size())};
+  if (units == nullptr) return named;
+  const auto set_action = [&](std::size_t i, const Value& unit) {
+    const GivenNumber preset = in_unit({}, unit, spec, i);
+    named.action[i] = {spec.action_scale[i] * preset.scale,
+                       spec.action_offset[i] + spec.action_scale[i] * preset.offset};
+  };
+  if (std::holds_alternative<std::string>(units->data)) {
+    for (std::size_t i = 0; i < spec.action.size(); ++i) set_action(i, *units);
+    return named;
+  }
+  std::vector<std::string> names;
+  for (const auto* components : {&spec.state, &spec.action})
+    for (const Component& component : *components) names.push_back(component.name);
+  for (const auto& [name, unit] : units->as_table("units").items) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    if (at == names.size())
+      throw error_at(unit.place, "'units': unknown component '", name, "'", did_you_mean(name, names),
+                     "; states and actions are ", join(names, ", "));
+    if (at < spec.state.size())
+      named.state[at] = units_in(unit.as_text(name), spec.state[at].unit, name, unit.place);
+    else
+      set_action(at - spec.state.size(), unit);
+  }
+  return named;
 }
 
 std::unique_ptr<Policy> translated_policy(std::unique_ptr<Policy> policy, const PolicyInterface& interface,

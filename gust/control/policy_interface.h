@@ -51,6 +51,8 @@ std::vector<Component> observed_components(const PlantSpec& spec);
 ///   act     = { unit = "N", scale = -1, offset = 0 }      # or act = "N"
 ///   units   = "N"                                         # the same as act = { unit = "N" }
 ///
+/// The unit of an action may be "normalised", or "%": a hundredth of the normalised action or, where the preset acts in
+/// physical units, of the actuator's upper bound.
 /// The observed number is scale * (component in the unit) + offset; a plain number is a constant. What the policy gives
 /// is scaled and offset first, then it is in the unit. Errors with their place.
 PolicyInterface read_interface(const Table& table, const PlantSpec& spec);
@@ -58,6 +60,16 @@ PolicyInterface read_interface(const Table& table, const PlantSpec& spec);
 /// The policy as the plant needs it: it sees what the interface says and its action is translated.
 std::unique_ptr<Policy> translated_policy(std::unique_ptr<Policy> policy, const PolicyInterface& interface,
                                           const PlantSpec& spec);
+
+/// The units in which a controller was tuned, by name of state and action.
+struct NamedUnits {
+  std::vector<double> state;        ///< how many of the unit one SI unit is, state by state
+  std::vector<GivenNumber> action;  ///< physical = scale * number + offset, action by action
+};
+
+/// Reads `units = { theta = "deg", force = "%" }`, or the one unit of all actions, "N"; what is not named is in SI
+/// units. Actions also take "normalised" and "%". Errors with their place.
+NamedUnits read_units(const Value* units, const PlantSpec& spec);
 
 /// What gust gives and takes, for people: "x [m], x_dot [m/s], …".
 std::string components_text(const std::vector<Component>& components);

@@ -1,6 +1,7 @@
 #include "gust/core/crew.h"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <system_error>
 #include <thread>
@@ -26,6 +27,24 @@ void run_crew(std::size_t threads, const std::function<void()>& work) {
     }
     run(0);
   }
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+}
+
+void for_each_item(std::size_t threads, std::size_t count, const std::function<ItemWorker()>& make_worker) {
+  std::vector<std::exception_ptr> errors(count);
+  std::atomic<std::size_t> next = 0;
+  run_crew(threads, [&] {
+    const ItemWorker work = make_worker();
+    for (std::size_t item = next++; item < count; item = next++) {
+      try {
+        work(item);
+      } catch (...) {
+        errors[item] = std::current_exception();
+      }
+    }
+  });
   for (const std::exception_ptr& error : errors) {
     if (error) std::rethrow_exception(error);
   }

@@ -4,6 +4,10 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <vector>
+
+#include "gust/core/error.h"
+#include "gust/core/text.h"
 
 using namespace gust;
 
@@ -18,4 +22,19 @@ TEST_CASE("a crew does its work once on each thread, and an error of one is thro
 
   CHECK(begun == 4);
   CHECK(ended == 3);
+}
+
+TEST_CASE("every item is done once, and the error of the lowest that failed is thrown after all are done") {
+  for (const std::size_t threads : {1, 3}) {
+    std::vector<std::atomic<int>> done(100);
+    const auto work = [&] {
+      return [&](std::size_t item) {
+        ++done[item];
+        if (item == 40 || item == 70) throw Error(cat("item ", item));
+      };
+    };
+
+    CHECK_THROWS_WITH_AS(for_each_item(threads, done.size(), work), "item 40", Error);
+    for (const std::atomic<int>& times : done) CHECK(times == 1);
+  }
 }

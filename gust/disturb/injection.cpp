@@ -74,17 +74,40 @@ std::int64_t read_step(const Table& table, const char* key, std::int64_t standar
   return step;
 }
 
-Made<Waveform> read_waveform(const Value& value) {
+/// A kind by its name alone, or a table with its options.
+template <class T>
+Made<T> read_kind(const Value& value, const Catalog<T>& catalog, const char* what) {
   if (const auto* name = std::get_if<std::string>(&value.data)) {
     Table table{{{"kind", Value{*name, value.place}}}, value.place};
-    return waveforms().make(table);
+    return catalog.make(table);
   }
-  return waveforms().make(value.as_table("waveform"));
+  return catalog.make(value.as_table(what));
+}
+
+/// The waveform or the effect that a table names, one of the two.
+void read_shape(const Table& table, Injection& injection) {
+  const Value* waveform = table.find("waveform");
+  const Value* effect = table.find("effect");
+  if (waveform && effect) throw error_at(effect->place, "a disturbance has a 'waveform' or an 'effect', not both");
+  if (!waveform && !effect)
+    throw error_at(table.place,
+                   "a disturbance needs a 'waveform' (gust list waveforms) or an 'effect' (gust list effects)");
+  if (waveform) injection.waveform = read_kind(*waveform, waveforms(), "waveform");
+  if (effect) injection.effect = read_kind(*effect, effects(), "effect");
+}
+
+/// An effect maps a channel or does not.
+void check_effect_channels(const Injection& injection, const Value& channels) {
+  if (!injection.is_effect()) return;
+  for (const double factor : injection.factors) {
+    if (factor != 0 && factor != 1)
+      throw error_at(channels.place, "an effect maps a channel or leaves it alone: factors are 0 or 1, got ", factor);
+  }
 }
 
 /// A wave that the control rate is too slow to show: sampled, it is another one or none.
 void check_frequency(const Value& waveform, const Injection& injection, double rate) {
-  const double frequency = injection.waveform->frequency();
+  const double frequency = injection.frequency();
   if (frequency < rate / 2) return;
   const double alias = std::abs(std::remainder(frequency, rate));
   const std::string what = alias == 0          ? std::string("it vanishes")
@@ -123,37 +146,63 @@ const std::vector<Component>& channels_of(Site site, const PlantSpec& spec) {
 std::string Injection::canonical() const {
   const std::string window =
       end == std::numeric_limits<std::int64_t>::max() ? cat("[", start, ", end)") : cat("[", start, ", ", end, ")");
-  return cat(site_name(site), " ", waveform.canonical(), " channels ", canonical_text(factors), " during ", window);
+  return cat(site_name(site), " ", shape(), " channels ", canonical_text(factors), " during ", window);
+}
+
+std::string level_complaint(const Injection& injection, double level) {
+  if (!injection.is_effect() || level >= 0) return {};
+  return cat("the level of a ", injection.kind(), " is 0 or more ", injection.effect->unit(), ", got ", level);
+}
+
+std::string together_complaint(std::span<const Injection> injections) {
+  for (const Site site : kSites) {
+    const auto splits = [&](const Injection& injection) {
+      return injection.site == site && injection.is_effect() && injection.effect->may_split();
+    };
+    if (std::ranges::count_if(injections, splits) < 2) continue;
+    const std::string& kind = std::ranges::find_if(injections, splits)->kind();
+    return cat("the ", site_name(site), " site has two effects such as ", kind,
+               ", which change a signal within a control step; give one");
+  }
+  return {};
 }
 
 Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also) {
-  std::vector<std::string> known = {"site", "waveform", "channels", "mask", "start", "end", "level"};
+  std::vector<std::string> known = {"site", "waveform", "effect", "channels", "mask", "start", "end", "level"};
   known.insert(known.end(), also.begin(), also.end());
   check_keys(table, known, "a disturbance");
   const Value* site = table.find("site");
-  const Value* waveform = table.find("waveform");
   if (site == nullptr) throw error_at(table.place, "a disturbance needs a 'site': observation, action or dynamics");
-  if (waveform == nullptr) throw error_at(table.place, "a disturbance needs a 'waveform' (gust list waveforms)");
 
   Injection injection;
   injection.site = site_from(site->as_text("site"), site->place);
-  injection.waveform = read_waveform(*waveform);
+  read_shape(table, injection);
   const std::vector<std::string> names = names_of(channels_of(injection.site, spec));
   injection.factors.assign(names.size(), 1.0);
-  if (const Value* channels = table.find("channels")) injection.factors = read_channels(*channels, names);
-  if (const Value* mask = table.find("mask")) injection.factors = read_mask(*mask, names.size());
+  for (const char* key : {"channels", "mask"}) {
+    const Value* channels = table.find(key);
+    if (channels == nullptr) continue;
+    injection.factors =
+        key == std::string_view("mask") ? read_mask(*channels, names.size()) : read_channels(*channels, names);
+    check_effect_channels(injection, *channels);
+  }
   injection.start = read_step(table, "start", 0, spec.steps - 1);
   injection.end = read_step(table, "end", injection.end, spec.steps);
   if (injection.end <= injection.start) {
     throw error_at(table.find("end")->place, "'end' must be after 'start', got ", injection.end, " and ",
                    injection.start);
   }
-  if (injection.waveform->onset() >= spec.steps) {
+  const Value* waveform = table.find("waveform");
+  if (injection.onset() >= spec.steps) {
     throw error_at(waveform->place, "the waveform's 'offset' must lie within the episode of ", spec.steps,
-                   " control steps, got ", injection.waveform->onset());
+                   " control steps, got ", injection.onset());
   }
-  check_frequency(*waveform, injection, spec.control_rate);
-  if (const Value* level = table.find("level")) injection.level = level->as_number("level");
+  if (waveform) check_frequency(*waveform, injection, spec.control_rate);
+  if (const Value* level = table.find("level")) {
+    injection.level = level->as_number("level");
+    const std::string complaint = level_complaint(injection, injection.level);
+    if (!complaint.empty()) throw error_at(level->place, complaint);
+  }
   return injection;
 }
 
@@ -174,9 +223,10 @@ Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, R
     const Injection& injection = injections[i];
     const Rng stream = episode.split(site_name(injection.site)).split(seen[static_cast<int>(injection.site)]++);
     const bool shifted = injection.site == Site::kObservation;
+    if (injection.is_effect()) continue;  // it maps the signal and adds nothing
     for (std::size_t c = 0; c < injection.factors.size(); ++c) {
       const std::span<double> out(values_.data() + (first_[i] + c) * length_, length_);
-      if (injection.waveform->scales()) {
+      if (injection.scales()) {
         injection.waveform->fill(out, spec.control_rate, stream.split(c));
       } else {
         // One value a control step, and one more for the observation of reset; no step sees what lies behind them.
@@ -195,9 +245,7 @@ Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, R
   }
 }
 
-bool all_scale(std::span<const Injection> injections) {
-  return std::ranges::all_of(injections, [](const Injection& injection) { return injection.waveform->scales(); });
-}
+bool all_scale(std::span<const Injection> injections) { return std::ranges::all_of(injections, &Injection::scales); }
 
 std::shared_ptr<const Signals> SignalSequence::at(std::int64_t episode) {
   if (injections_.empty()) return nullptr;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "gust/disturb/effect.h"
 #include "gust/disturb/waveform.h"
 #include "gust/sim/plant.h"
 
@@ -22,24 +23,44 @@ Site site_from(std::string_view name, const Place& place);
 /// The components that a site disturbs: the state part of the observation, the physical action, the external force.
 const std::vector<Component>& channels_of(Site site, const PlantSpec& spec);
 
-/// A waveform at a site: which channels, how strongly, and during which control steps.
+/// A disturbance at a site: a waveform that is added or an effect that maps the signal; which channels, how strongly,
+/// and during which control steps.
 struct Injection {
   Site site = Site::kAction;
-  Made<Waveform> waveform;
-  std::vector<double> factors;  ///< per channel; 0 leaves a channel alone
+  Made<Waveform> waveform;      ///< without an object where it is an effect
+  Made<Effect> effect;          ///< without an object where it is a waveform
+  std::vector<double> factors;  ///< per channel; 0 leaves a channel alone, an effect knows 1 beside it
   double level = 1.0;
   std::int64_t start = 0;  ///< window in control steps; the shape itself always runs from step 0
   std::int64_t end = std::numeric_limits<std::int64_t>::max();  ///< exclusive
 
+  bool is_effect() const { return effect.object != nullptr; }
+  /// Of the waveform or the effect.
+  const std::string& kind() const { return is_effect() ? effect.kind : waveform.kind; }
+  std::string shape() const { return is_effect() ? effect.canonical() : waveform.canonical(); }
+  bool random() const { return is_effect() ? effect->random() : waveform->random(); }
+  /// The first control step at which the shape acts, and how often it repeats [Hz]; 0 where there is no such thing.
+  std::int64_t onset() const { return is_effect() ? 0 : waveform->onset(); }
+  double frequency() const { return is_effect() ? 0 : waveform->frequency(); }
+  /// Whether the level leaves the shape of a waveform alone.
+  bool scales() const { return is_effect() || waveform->scales(); }
+
   /// What multiplies its signals at a level: the level, or 1 where that is part of the shape.
-  double factor(double at_level) const { return waveform->scales() ? at_level : 1.0; }
+  double factor(double at_level) const { return scales() ? at_level : 1.0; }
 
   /// All that makes the disturbance, but not its level.
   std::string canonical() const;
 };
 
-/// Reads site, waveform, channels or mask, start, end and level from a table. Keys that are not its own must be named
-/// in `also`.
+/// Why a disturbance has no such level; empty if it may have it.
+std::string level_complaint(const Injection& injection, double level);
+
+/// What disturbances together must not have: two effects at a site that change signals within a control step. Empty if
+/// they may be together.
+std::string together_complaint(std::span<const Injection> injections);
+
+/// Reads site, waveform or effect, channels or mask, start, end and level from a table. Keys that are not its own must
+/// be named in `also`.
 Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also = {});
 
 class Signals;

@@ -90,7 +90,7 @@ TEST_CASE("what a disturbance cannot be is one clear error") {
   CHECK(error_of({{"waveform", word("sine")}}) ==
         "study.toml:5:1: a disturbance needs a 'site': observation, action or dynamics");
   CHECK(error_of({{"site", word("action")}}) ==
-        "study.toml:5:1: a disturbance needs a 'waveform' (gust list waveforms)");
+        "study.toml:5:1: a disturbance needs a 'waveform' (gust list waveforms) or an 'effect' (gust list effects)");
   CHECK(also({{"chanels", word("x")}}) ==
         "study.toml:5:3: unknown key 'chanels' in a disturbance; did you mean 'channels'?");
   CHECK(

@@ -52,7 +52,7 @@ EpisodeStart start_of(const Evaluation& evaluation, const EpisodeIndex& index, S
 /// Whether all episodes of a start are one and the same: nothing in them is drawn.
 bool repeats(const Evaluation& evaluation, std::size_t start) {
   const bool noisy = std::any_of(evaluation.injections.begin(), evaluation.injections.end(),
-                                 [](const Injection& injection) { return injection.waveform->random(); });
+                                 [](const Injection& injection) { return injection.random(); });
   return !noisy && !evaluation.starts[start].random;
 }
 
@@ -137,6 +137,8 @@ Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeI
   trace.observation = Matrix<double>(spec.observations(), steps + 1);
   trace.commanded = trace.disturbed = trace.applied = Matrix<double>(spec.action.size(), steps);
   trace.force = Matrix<double>(spec.force.size(), steps);
+  trace.memory_of = policy.memory();
+  trace.memory = Matrix<double>(trace.memory_of.size(), steps);
 
   const auto keep = [](Matrix<double>& to, Rows<const double> from, std::size_t column) {
     for (std::size_t i = 0; i < from.rows; ++i) to.at(i, column) = from.at(i, 0);
@@ -146,6 +148,7 @@ Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeI
   keep(trace.observation, loop.observation(), 0);
   for (std::size_t k = 0; k < steps; ++k) {
     policy.act(loop.observation(), loop.steps_done(), action.view());
+    keep(trace.memory, policy.remembered(), k);
     loop.step(action.view());
     keep(trace.state, loop.state(), k + 1);
     keep(trace.observation, loop.observation(), k + 1);

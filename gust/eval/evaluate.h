@@ -63,6 +63,8 @@ struct Trace {
   Matrix<double> state;        ///< before step 0 and after every step: horizon + 1 columns
   Matrix<double> observation;  ///< what the policy saw, horizon + 1 columns
   Matrix<double> commanded, disturbed, applied, force;
+  std::vector<Component> memory_of;  ///< what the policy keeps from step to step; none of most policies
+  Matrix<double> memory;             ///< that, after every action
   std::vector<double> reward;
   std::int64_t failed_at = -1;  ///< number of steps done when it failed, -1 if it did not
 };

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <atomic>
-#include <exception>
 
 #include "gust/core/crew.h"
 #include "gust/paper/reproduction.h"
@@ -238,20 +236,8 @@ std::vector<PaperVerdict> judge_paper(const Reproduction& reproduction, StudyMea
     return !named.empty() && std::ranges::find(named, id) == named.end();
   });
   std::vector<PaperVerdict> verdicts(questions.size());
-  std::vector<std::exception_ptr> errors(questions.size());
-  std::atomic<std::size_t> next = 0;
-  run_crew(threads, [&] {
-    for (std::size_t i = next++; i < questions.size(); i = next++) {
-      try {
-        verdicts[i] = judge.ask(questions[i]);
-      } catch (...) {
-        errors[i] = std::current_exception();
-      }
-    }
-  });
-  for (const std::exception_ptr& error : errors) {
-    if (error) std::rethrow_exception(error);
-  }
+  for_each_item(threads, questions.size(),
+                [&] { return [&](std::size_t i) { verdicts[i] = judge.ask(questions[i]); }; });
   return verdicts;
 }
 

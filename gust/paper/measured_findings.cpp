@@ -82,7 +82,7 @@ std::string saturation_sentence(const PaperResults& results) {
   double share = 0;
   for_each_curve(results, [&](const Study& study, const Series& series) {
     const CurveCell cell{&study, &series, series.cells - 1};
-    if (cell.sweep().injection->site != Site::kAction || cell.policy().kind != StudyPolicy::Kind::kTrain) return;
+    if (cell.sweep().injection->site != Site::kAction || !cell.policy().training()) return;
     if (!(cell.value("saturation") > share)) return;
     share = cell.value("saturation");
     most_in = &study;
@@ -93,7 +93,7 @@ std::string saturation_sentence(const PaperResults& results) {
   std::vector<std::string> undisturbed;
   for (std::size_t p = 0; p < most_in->policies.size(); ++p) {
     const Series* series = summary->find(p, Trial::kNominal, most->start);
-    if (series == nullptr || most_in->policies[p].kind != StudyPolicy::Kind::kTrain) continue;
+    if (series == nullptr || !most_in->policies[p].training()) continue;
     undisturbed.push_back(
         cat(percent(CurveCell{most_in, series, 0}.value("saturation")), " for ", most_in->policies[p].name));
   }
@@ -114,7 +114,7 @@ std::string undisturbed_sentence(const PaperResults& results) {
     for (const Series& series : results.summaries[i].series) {
       const StudyPolicy& policy = study.policies[series.policy];
       if (series.sweep != Trial::kNominal || !study.starts[series.start].random) continue;
-      if (policy.kind != StudyPolicy::Kind::kTrain) continue;
+      if (!policy.training()) continue;
       const double share = CurveCell{&study, &series, 0}.value("survival");
       if (std::isfinite(share)) parts.push_back({-share, cat(percent(share), " for ", policy.name)});
     }
@@ -158,10 +158,10 @@ std::string regulator_sentence(const PaperResults& results) {
     if (best.first == nullptr) best = {.first = &series, .study = &study, .site = cell.sweep().injection->site};
     if (best.study != &study || best.first->sweep != series.sweep) return;
     const double level = series.margin.level.estimate;
-    if (cell.policy().kind == StudyPolicy::Kind::kLqr) {
+    if (cell.policy().kind == "lqr") {
       best.regulator = level;
       best.regulator_beyond = series.margin.censored;
-    } else if (cell.policy().kind == StudyPolicy::Kind::kTrain) {
+    } else if (cell.policy().training()) {
       best.agents = std::max(best.agents, level);
       best.agents_beyond = best.agents_beyond || series.margin.censored;
     }
@@ -196,7 +196,7 @@ std::string budget_sentence(const PaperResults& results) {
     for (const SeedCurve& curve : results.summaries[i].curves) {
       const CurvePoint& last = curve.points.back();
       if (last.steps > 0 && last.protagonist_steps < last.steps)
-        shares[capitals(study.policies[curve.policy].agent.kind)] =
+        shares[capitals(study.policies[curve.policy].training()->agent.kind)] =
             static_cast<double>(last.protagonist_steps) / static_cast<double>(last.steps);
     }
   }
@@ -208,9 +208,10 @@ std::string budget_sentence(const PaperResults& results) {
 
 /// All that makes the policy of a map, but the number of its seeds: maps of several figures may share it.
 std::string training_of(const Study& study, const std::string& name) {
-  const StudyPolicy& policy = *std::ranges::find(study.policies, name, &StudyPolicy::name);
-  std::string text = policy.agent.canonical();
-  for (const Injection& injection : policy.disturbed) text += cat("; ", injection.canonical(), " ", injection.level);
+  const PolicyTraining* training = std::ranges::find(study.policies, name, &StudyPolicy::name)->training();
+  if (training == nullptr) return name;
+  std::string text = training->agent.canonical();
+  for (const Injection& injection : training->disturbed) text += cat("; ", injection.canonical(), " ", injection.level);
   return text;
 }
 

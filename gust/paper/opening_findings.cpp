@@ -35,7 +35,7 @@ std::string run_sentence(const PaperResults& results) {
     for (const Trial& trial : expand(part.study, {}).trials) {
       if (trial.kind != Trial::Kind::kTrain) continue;
       trainings.insert(trial.id);
-      agents.insert(part.study.policies[trial.policy].agent.kind);
+      agents.insert(part.study.policies[trial.policy].training()->agent.kind);
     }
   }
   std::set<std::size_t> readings;

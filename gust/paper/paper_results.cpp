@@ -150,8 +150,8 @@ void write_paper(ResultsWriter& files, const Reproduction& reproduction) {
   const fs::path inputs = kInputs;
   for (const auto& [name, text] : reproduction.paper->files) files.write(inputs / name, text);
   for (const ReproductionStudy& part : reproduction.studies) {
-    for (const std::vector<StudyPolicy::File>& found : part.study.found) {
-      for (const StudyPolicy::File& file : found) {
+    for (const std::vector<StudyFile>& found : part.study.found) {
+      for (const StudyFile& file : found) {
         const fs::path path = (inputs / file.path).lexically_normal();
         files.write(path, file.bytes);
         for (const auto& [name, bytes] : file.data) files.write((path.parent_path() / name).lexically_normal(), bytes);
@@ -170,8 +170,8 @@ std::shared_ptr<const Paper> paper_of(const ResultsHead& head, ResultsReader& fi
   files.check();
   PaperSource source = folder_source(files.path(kInputs));
   source.find = [within = source.find, known = head.hashes, inputs](const std::string& pattern, const Place& place) {
-    std::vector<StudyPolicy::File> found = within(pattern, place);
-    std::erase_if(found, [&](const StudyPolicy::File& file) {
+    std::vector<StudyFile> found = within(pattern, place);
+    std::erase_if(found, [&](const StudyFile& file) {
       return !known.contains((fs::path(inputs) / file.path).lexically_normal().generic_string());
     });
     return found;
@@ -365,7 +365,7 @@ void write_headline_policies(const Reproduction& reproduction, const std::vector
       if (!stored || !stored->contains(kPolicyFile)) continue;
       const StudyPolicy& policy = part.study.policies[trial.policy];
       const std::string name =
-          cat(part.study.setup.plant.kind, "-", slug(policy.name), "-s", policy.seeds[trial.member], ".onnx");
+          cat(part.study.setup.plant.kind, "-", slug(policy.name), "-s", policy.member(trial.member), ".onnx");
       write_file_atomically(folder / "policies" / name, stored->read(kPolicyFile));
     }
   }

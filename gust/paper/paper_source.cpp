@@ -17,7 +17,7 @@ std::string PaperSource::place(const std::string& name) const { return (fs::path
 PaperSource embedded_source() {
   return {.folder = "studies/paper",
           .read = [](const std::string& name) { return std::string(paper_file(name)); },
-          .find = [](const std::string&, const Place&) { return std::vector<StudyPolicy::File>(); }};
+          .find = [](const std::string&, const Place&) { return std::vector<StudyFile>(); }};
 }
 
 PaperSource folder_source(const fs::path& folder) {
@@ -27,8 +27,8 @@ PaperSource folder_source(const fs::path& folder) {
     return read_file(folder / name);
   };
   const auto find = [within = files_beside(folder)](const std::string& pattern, const Place& place) {
-    std::vector<StudyPolicy::File> files = within(pattern, place);
-    for (const StudyPolicy::File& file : files) {
+    std::vector<StudyFile> files = within(pattern, place);
+    for (const StudyFile& file : files) {
       const fs::path path = fs::path(file.path).lexically_normal();
       if (path.is_absolute() || *path.begin() == "..")
         throw error_at(place, "'", file.path, "' lies outside the paper's folder; copy it there");

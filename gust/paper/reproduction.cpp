@@ -30,10 +30,10 @@ std::vector<std::string> profile_settings(const Study& study, const PaperProfile
                                           std::optional<std::int64_t> seeds) {
   std::vector<std::string> settings;
   for (std::size_t i = 0; i < study.policies.size(); ++i) {
-    const StudyPolicy& policy = study.policies[i];
-    if (policy.kind != StudyPolicy::Kind::kTrain) continue;
+    const PolicyTraining* training = study.policies[i].training();
+    if (training == nullptr) continue;
     if (profile.steps < 1.0)
-      settings.push_back(cat("policy.", i, ".agent.steps=", share_of(policy.agent->steps(), profile.steps)));
+      settings.push_back(cat("policy.", i, ".agent.steps=", share_of(training->agent->steps(), profile.steps)));
     if (!seeds) continue;
     std::vector<std::string> numbers;
     for (std::int64_t seed = 1; seed <= *seeds; ++seed) numbers.push_back(cat(seed));
@@ -45,7 +45,7 @@ std::vector<std::string> profile_settings(const Study& study, const PaperProfile
 /// Of its trainings.
 std::int64_t most_seeds(const Study& study) {
   std::size_t most = 0;
-  for (const StudyPolicy& policy : study.policies) most = std::max(most, policy.seeds.size());
+  for (const StudyPolicy& policy : study.policies) most = std::max(most, policy.training() ? policy.count() : 0);
   return static_cast<std::int64_t>(most);
 }
 

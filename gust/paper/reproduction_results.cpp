@@ -98,8 +98,9 @@ std::string trained_text(const Study& study) {
   constexpr std::size_t kMostNames = 7;
   std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // by seeds and steps
   for (const StudyPolicy& policy : study.policies) {
-    if (policy.kind != StudyPolicy::Kind::kTrain) continue;
-    std::string much = cat(counted(policy.count(), "seed", "seeds"), " of ", steps_text(policy.agent->steps()));
+    if (!policy.training()) continue;
+    std::string much =
+        cat(counted(policy.count(), "seed", "seeds"), " of ", steps_text(policy.training()->agent->steps()));
     auto at = std::ranges::find(groups, much, &decltype(groups)::value_type::first);
     if (at == groups.end()) at = groups.insert(at, {std::move(much), {}});
     at->second.push_back(policy.name);

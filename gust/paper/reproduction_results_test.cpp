@@ -30,7 +30,7 @@ Series invented(const Study& study, std::size_t policy, std::size_t sweep, std::
     }
   }
   series.has_margin = sweep != Trial::kNominal;
-  const bool regulator = series.has_margin && study.policies[policy].kind == StudyPolicy::Kind::kLqr;
+  const bool regulator = series.has_margin && study.policies[policy].kind == "lqr";
   const double level = regulator && study.sweeps[sweep].name == "action white" ? 1.0 : 2.0;
   series.margin.level = {level, level, level, Unit::seeds, 5};
   return series;
@@ -210,7 +210,7 @@ TEST_CASE("a figure with learning curves says which are not flat at their ends")
   const std::size_t drawn = *results.reproduction.drawn(*results.reproduction.paper->figure("learning-curves"));
   const std::vector<StudyPolicy>& policies = results.reproduction.studies[drawn].study.policies;
   for (std::size_t p = 0; p < policies.size(); ++p) {
-    if (policies[p].kind != StudyPolicy::Kind::kTrain) continue;
+    if (!policies[p].training()) continue;
     SeedCurve curve{.policy = p, .points = std::vector<CurvePoint>(7)};
     for (std::size_t i = 1; i < 7; ++i)  // rising to the middle; rarl goes on, by 0.04 a point
       curve.points[i] = {.steps = static_cast<std::int64_t>(i) * 10,

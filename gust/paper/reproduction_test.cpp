@@ -12,7 +12,8 @@ TEST_CASE("a miniature trains a share of what a reading says") {
   const Reproduction reproduction =
       open_reproduction(paper_at("paper"), {.profile = "quick", .only = {"table-dr"}, .seeds = 1});
   std::set<std::int64_t> steps;
-  for (const ReproductionStudy& part : reproduction.studies) steps.insert(part.study.policies[1].agent->steps());
+  for (const ReproductionStudy& part : reproduction.studies)
+    steps.insert(part.study.policies[1].training()->agent->steps());
   CHECK(steps == std::set<std::int64_t>{100'000, 500'000});
 }
 
@@ -137,9 +138,10 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   // Two of the main reading, of its authors', of scg-default, of RAP goes on and of RARL at 0.01; white under three
   // more.
   REQUIRE(reproduction.studies.size() == 13);
-  CHECK(reproduction.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2});
-  CHECK(reproduction.studies[0].study.policies[1].agent->steps() == 100'000);
-  CHECK(reproduction.studies[2].study.policies[4].agent.canonical().find("site = \"dynamics\"") != std::string::npos);
+  CHECK(reproduction.studies[0].study.policies[1].training()->seeds == std::vector<std::int64_t>{1, 2});
+  CHECK(reproduction.studies[0].study.policies[1].training()->agent->steps() == 100'000);
+  CHECK(reproduction.studies[2].study.policies[4].training()->agent.canonical().find("site = \"dynamics\"") !=
+        std::string::npos);
   CHECK(reproduction.studies[2].study.starts[0].name == "x=0.55 theta=0.3");
   CHECK(reproduction.studies[4].study.setup.preset == "scg-default");
   CHECK(reproduction.find(1, "white") == 3);
@@ -148,7 +150,7 @@ TEST_CASE("a profile changes seeds and steps of every training, a reading the pl
   CHECK(paper.readings[paper.reading("starts of training")].claims == paper.readings[1].claims);
   CHECK_FALSE(reproduction.find(0, "step").has_value());
   const Reproduction more = open_reproduction(paper, {.profile = "paper", .only = {"white"}, .seeds = 3});
-  CHECK(more.studies[0].study.policies[1].seeds == std::vector<std::int64_t>{1, 2, 3});
+  CHECK(more.studies[0].study.policies[1].training()->seeds == std::vector<std::int64_t>{1, 2, 3});
 }
 
 TEST_CASE("a premise bears on the parts that speak of it, in its claims") {

@@ -37,6 +37,7 @@ void check_episode(const Page& page, const Page::Episode& episode) {
   check_traces(episode.states, steps + 1);
   check_traces(episode.reference, steps + 1);
   check_traces(episode.commanded, steps);
+  check_traces(episode.memory, steps);
   check_traces(episode.applied, steps);
   for (const auto& push : episode.disturbances) GUST_CHECK(push.trace.values.size() == steps);
   GUST_CHECK(episode.failed_step == Page::kNone || episode.failed_step <= steps);

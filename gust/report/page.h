@@ -181,6 +181,7 @@ struct Page {
     std::vector<Trace> commanded;                          // actions of the policy, physical units
     std::vector<Trace> applied;                            // after disturbance and saturation
     std::vector<Push> disturbances;
+    std::vector<Trace> memory = {};  // what the policy keeps from step to step
     std::vector<double> reward;
     std::size_t failed_step = kNone;  // index of the first state that is out of bounds
     std::string failure;              // "|x| > 2.4 m"

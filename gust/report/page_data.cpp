@@ -99,6 +99,7 @@ std::string episode_json(const Page::Episode& episode, std::size_t number) {
   write_traces(json, "reference", episode.reference);
   write_traces(json, "commanded", episode.commanded);
   write_traces(json, "applied", episode.applied);
+  if (!episode.memory.empty()) write_traces(json, "memory", episode.memory);
   json.key("disturbances").open('[');
   for (const auto& push : episode.disturbances) {
     json.open('{').key("site").text(push.site).key("name").text(push.trace.name).key("unit").text(push.trace.unit);

@@ -41,6 +41,14 @@ Matrix<double> seen_beyond(const Trace& trace) {
   return result;
 }
 
+Matrix<double> difference(const Matrix<double>& a, const Matrix<double>& b) {
+  Matrix<double> result(a.rows(), a.lanes());
+  for (std::size_t i = 0; i < a.rows(); ++i) {
+    for (std::size_t k = 0; k < a.lanes(); ++k) result.at(i, k) = a.at(i, k) - b.at(i, k);
+  }
+  return result;
+}
+
 std::string failure_text(const Trace& trace, const PlantSpec& spec) {
   if (trace.failed_at < 0) return {};
   const auto column = static_cast<std::size_t>(trace.failed_at);
@@ -97,7 +105,9 @@ bool fits(const Trace& trace, const PlantSpec& spec, const Evaluation& evaluatio
          index.episode >= 0 && index.episode < evaluation.episodes && trace.failed_at >= -1 &&
          trace.failed_at <= static_cast<std::int64_t>(steps) && is(trace.state, spec.state.size(), steps + 1) &&
          is(trace.observation, spec.observations(), steps + 1) && is(trace.commanded, spec.action.size(), steps) &&
-         is(trace.applied, spec.action.size(), steps) && is(trace.force, spec.force.size(), steps) &&
+         is(trace.disturbed, spec.action.size(), steps) && is(trace.applied, spec.action.size(), steps) &&
+         is(trace.force, spec.force.size(), steps) &&
+         (trace.memory_of.empty() || is(trace.memory, trace.memory_of.size(), steps)) &&
          static_cast<std::int64_t>(steps) <= spec.steps;
 }
 
@@ -116,9 +126,15 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   episode.touched_ground = touches_ground(*study.setup.plant, trace);
   episode.commanded = traces_of(spec.action, trace.commanded);
   episode.applied = traces_of(spec.action, trace.applied);
+  episode.memory = traces_of(trace.memory_of, trace.memory);
   add_pushes(episode, Site::kObservation, spec.state, seen_beyond(trace));
-  // What the action site added is not recorded by itself where the command was clipped first; the signals are.
-  if (!task.injections.empty()) {
+  // What the action site added is not recorded by itself where the command was clipped first; the signals are, and
+  // where an effect maps the action, what it made of it.
+  const bool mapped = std::ranges::any_of(
+      task.injections, [](const Injection& each) { return each.site == Site::kAction && each.is_effect(); });
+  if (mapped) {
+    add_pushes(episode, Site::kAction, spec.action, difference(trace.disturbed, trace.commanded));
+  } else if (!task.injections.empty()) {
     const std::shared_ptr<const Signals> signals = episode_signals(task.evaluation, trace.index);
     Matrix<double> added(spec.action.size(), trace.applied.lanes());
     for (std::size_t i = 0; i < task.injections.size(); ++i) {
@@ -134,7 +150,7 @@ Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& 
   episode.reward = trace.reward;
   if (trace.failed_at >= 0) episode.failed_step = static_cast<std::size_t>(trace.failed_at);
   episode.failure = failure_text(trace, spec);
-  const std::string seed = policy.kind == StudyPolicy::Kind::kTrain ? cat(" seed ", policy.seeds[trial.member]) : "";
+  const std::string seed = policy.training() ? cat(" seed ", policy.member(trial.member)) : "";
   const std::string sweep = trial.sweep == Trial::kNominal ? "undisturbed" : study.sweeps[trial.sweep].name;
   episode.title = cat(policy.name, seed, " · ", sweep);
   return episode;

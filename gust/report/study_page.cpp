@@ -10,19 +10,9 @@
 namespace gust {
 namespace {
 
+/// "lqr", "train ppo": what the reader should know it as.
 std::string kind_text(const StudyPolicy& policy) {
-  switch (policy.kind) {
-    case StudyPolicy::Kind::kLqr:
-      return "lqr";
-    case StudyPolicy::Kind::kPd:
-      return "pd";
-    case StudyPolicy::Kind::kZero:
-      return "zero";
-    case StudyPolicy::Kind::kOnnx:
-      return "onnx";
-    default:
-      return cat("train ", policy.agent.kind);
-  }
+  return policy.training() ? cat(policy.kind, " ", policy.training()->agent.kind) : policy.kind;
 }
 
 Page::Metric page_metric(const std::string& name, const MetricTraits& traits) {
@@ -49,7 +39,7 @@ Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
   page.unit = sweep.unit(spec);
   if (sweep.injection) {
     page.site = site_name(sweep.injection->site);
-    page.waveform = sweep.injection->waveform.kind;
+    page.waveform = sweep.injection->kind();
   } else {
     const Parameter& parameter = spec.parameters[sweep.axes.front().index];
     page.waveform = parameter.name;

@@ -86,12 +86,22 @@ struct PlantSpec {
   std::string action_unit() const { return normalized_action ? "normalised" : action.front().unit; }
 };
 
+/// A control step within which signals change, and of which a state before its end is seen. Counts of substeps are
+/// whole numbers, by lane.
+struct SplitStep {
+  Rows<const double> action, force;              ///< what acts in the first substeps
+  Rows<const double> action_until, force_until;  ///< how many these are
+  Rows<const double> seen_after;                 ///< after how many the visible state is written to `seen`
+  Rows<double> seen;
+};
+
 /// A batch of plants in motion; every view has the same lanes. State rows: visible components, then hidden ones.
 struct Motion {
   Rows<double> state;
   Rows<const double> parameters;
   Rows<const double> action;  ///< physical, saturated as it acts
   Rows<const double> force;
+  const SplitStep* split = nullptr;
 };
 
 /// x(k+1) - x* = A (x(k) - x*) + B (u(k) - u*), over one control step.

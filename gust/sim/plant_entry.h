@@ -23,6 +23,10 @@ class LawPlant final : public Plant {
   const PlantSpec& spec() const override { return spec_; }
 
   void advance(const Motion& motion) const noexcept override {
+    if (motion.split) {
+      for (std::size_t lane = 0; lane < motion.state.lanes; lane += kPackLanes) advance_split(motion, lane);
+      return;
+    }
     for (std::size_t lane = 0; lane < motion.state.lanes; lane += kTogether * kPackLanes) advance_packs(motion, lane);
   }
 
@@ -96,6 +100,31 @@ class LawPlant final : public Plant {
       for (std::size_t p = 0; p < kTogether; ++p) lanes[p].substep(dt);
     }
     for (std::size_t p = 0; p < kTogether; ++p) lanes[p].store(motion, lane + p * kPackLanes);
+  }
+
+  /// The same with signals that change within the step. A lane in which nothing changes has the bits of the above.
+  void advance_split(const Motion& motion, std::size_t lane) const noexcept {
+    const SplitStep& split = *motion.split;
+    Lanes late;
+    late.load(motion, options_, lane);
+    const Pack action_until = gust::load(&split.action_until.at(0, lane));
+    const Pack force_until = gust::load(&split.force_until.at(0, lane));
+    const Pack seen_after = gust::load(&split.seen_after.at(0, lane));
+    std::array<Pack, Options::kActions> action;
+    std::array<Pack, Options::kForces> force;
+    for (long n = 0; n < substeps_; ++n) {
+      const Pack done = Pack{} + static_cast<double>(n);
+      for (int i = 0; i < Options::kActions; ++i)
+        action[i] = select(done < action_until, gust::load(&split.action.at(i, lane)), late.action[i]);
+      for (int i = 0; i < Options::kForces; ++i)
+        force[i] = select(done < force_until, gust::load(&split.force.at(i, lane)), late.force[i]);
+      late.law->substep(late.state.data(), action.data(), force.data(), 1.0 / spec_.physics_rate);
+      for (int i = 0; i < Options::kStates; ++i) {
+        double* seen = &split.seen.at(i, lane);
+        gust::store(seen, select(done + 1.0 == seen_after, late.state[i], gust::load(seen)));
+      }
+    }
+    late.store(motion, lane);
   }
 
   Options options_;

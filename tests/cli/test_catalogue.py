@@ -8,7 +8,7 @@ import tomllib
 import pytest
 from conftest import PROGRAM, in_terminal
 
-KINDS = ["plants", "waveforms", "agents", "distributions", "metrics", "presets", "sites", "commands"]
+KINDS = ["plants", "policies", "waveforms", "agents", "distributions", "metrics", "presets", "sites", "commands"]
 
 
 def names(gust, kind):
@@ -52,6 +52,22 @@ def test_every_thing_is_described_with_its_options_and_an_example_in_toml(gust, 
         assert said["summary"].split()[0] in text and "example" in text
         for option in said["options"]:
             assert f"{option['name']} = {option['default']}" in text
+
+
+def test_every_policy_is_described_with_its_keys_and_an_example_that_is_a_study(gust, tmp_path):
+    assert names(gust, "policies") == ["lqr", "pd", "gain", "pid", "zero", "onnx", "train"]
+    for name in names(gust, "policies"):
+        said = json.loads(gust("describe", "policy", name, "--json").stdout)
+        assert said["summary"] and said["source"] and tomllib.loads(said["example"])["policy"][0]["kind"] == name
+        text = gust("describe", "policy", name).stdout
+        for option in said["options"]:
+            assert option["help"] and option["default"] and option["type"]
+            assert f"{option['name']} = {option['default']}" in text
+        if name == "onnx":
+            continue  # it names files that are not there
+        plant = "" if "plant = " in said["example"] else 'plant = { kind = "cartpole" }\n'
+        (tmp_path / "x.toml").write_text(f'schema = 1\nname = "x"\n{plant}{said["example"]}\n')
+        assert "evaluate" in gust("plan", "x.toml").stdout
 
 
 def test_describe_says_units_and_ranges(gust):

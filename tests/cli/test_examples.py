@@ -158,6 +158,8 @@ def test_a_piece_of_a_study_in_the_catalogue_fits_one(gust, tmp_path, text):
     plant = [piece for piece in rest if piece.startswith("plant")]
     study = HEAD + "".join(plant) + text + "".join(piece for piece in rest if piece not in plant)
     (tmp_path / "piece.toml").write_text(study)
+    (tmp_path / "policies").mkdir()  # of the one that names files
+    shutil.copy(ROOT / "tests/reference/scg_policies/scg-2022-ppo-s1.onnx", tmp_path / "policies")
 
     planned = gust("plan", "piece.toml").stdout
 

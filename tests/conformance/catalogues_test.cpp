@@ -38,6 +38,7 @@ void check_entries(const Catalog<T>& catalog) {
 
 TEST_CASE("every kind says what it is, where it comes from, and refuses options that it lacks") {
   check_entries(waveforms());
+  check_entries(effects());
   check_entries(plants());
   check_entries(metrics());
   check_entries(agents());
@@ -64,6 +65,30 @@ TEST_CASE("every waveform gives equal bits again, finite ones, and a longer epis
     CHECK(acts);
     waveform->fill(again, 50.0, Rng(4));
     CHECK((once != again) == waveform->random());
+  }
+}
+
+TEST_CASE("every effect has a name of its own, and at level 0 changes no bit of any signal") {
+  for (const std::string& name : effects().names()) {
+    CAPTURE(name);
+    const std::vector<std::string> others = waveforms().names();
+    CHECK(std::ranges::find(others, name) == others.end());
+    const auto effect = standard(effects(), name);
+    CHECK(effect->limit(50.0) > 0);
+    for (const bool seen : {false, true}) {
+      const EffectPlace place{50.0, 20, 250, seen};
+      const double level = 0, factor = 1, rest = 0.5;
+      std::vector<std::vector<double>> memory(1, std::vector<double>(effect->memory(level, place)));
+      std::vector<std::uint8_t> fresh = {1};
+      const std::vector<std::uint8_t> on = {1};
+      CHECK(effect->split(level, place) == 0);
+      for (int k = 0; k < 100; ++k) {
+        const double value = std::sin(3.7 * k) / 3;
+        Matrix<double> signal(1, 1, value);
+        effect->apply({place, {}, signal.view(), {&factor, 1}, {&rest, 1}, {&level, 1}, on, fresh, memory, 0, 1});
+        CHECK(signal.at(0, 0) == value);
+      }
+    }
   }
 }
 

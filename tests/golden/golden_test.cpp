@@ -70,7 +70,7 @@ agent = { kind = "ppo", steps = 8_000, randomise = "mid" }
 
 /// The parameters of a policy's actor after its training with seed 1.
 std::string trained_bits(const Study& study, std::size_t policy) {
-  const StudyPolicy& trained = study.policies[policy];
+  const PolicyTraining& trained = *study.policies[policy].training();
   const std::unique_ptr<Training> training =
       trained.agent->start({study.setup.plant.object.get(), study.setup.readings, {}, 1, trained.randomised.draws});
   while (!training->done()) training->advance();

@@ -35,6 +35,21 @@ def test_the_page_of_the_demo_answers_and_draws(opened, demo_page):
     assert len(csv) > 1 + SWEEPS * 2 * 11  # and the levels that the margins asked for
 
 
+def test_the_memory_of_a_controller_is_plotted_beside_its_replay(opened, program, tmp_path):
+    study = STUDY.with_name("bench.toml")
+    command = [program, "run", study, "--out", tmp_path / "bench.gust", "--set", "evaluate.episodes=3"]
+    subprocess.run(command, check=True, capture_output=True, timeout=300)
+    page = opened(tmp_path / "bench.gust/report.html")
+
+    chooser = page.locator("#figure-replay select").first
+    label = next(text for text in chooser.locator("option").all_inner_texts() if text.startswith("pid cascade"))
+    chooser.select_option(label=label)
+
+    expect(chart(page, "replay")).to_contain_text("integral of theta to force [N]")
+    csv = downloaded(page, "replay", "CSV")[1].decode().splitlines()
+    assert "integral of theta to force" in csv[0]
+
+
 def test_the_demo_is_watched_falling(opened, demo_page):
     page = opened(demo_page)
 

@@ -11,8 +11,9 @@ namespace {
 
 constexpr const char* kAbout =
     "Runs a policy in closed loop and prints what every episode measured.\n\n"
-    "POLICY is a file that ends in .onnx, lqr, pd or zero. A disturbance needs --site, --waveform and --level; --set "
-    "then also takes the waveform's options, channels (names), mask (such as 10), start and end (control steps). "
+    "POLICY is a file that ends in .onnx, or a kind of policy (gust list policies) whose keys --set gives: lqr, or "
+    "gain with --set 'k=[[-8.8,-9,-55,-14]]'. A disturbance needs --site, --waveform (or --effect) and --level; --set "
+    "then also takes its options, channels (names), mask (such as 10), start and end (control steps). "
     "--set takes readings (effort, saturate, command_clip, tap_point) and options of the plant as well: the policy "
     "lqr is designed for them. --param changes the plant behind the policy's back: the policy stays what it was.\n\n"
     "--observe, --act and --units are for files that gust did not make: what the policy sees in its order, with sign, "
@@ -27,6 +28,8 @@ constexpr const char* kExamples =
     "  gust eval ppo.onnx --plant cartpole --site dynamics --waveform impulse --level 2 --set mask=10 --set duration=3 "
     "--json\n"
     "  gust eval lqr --plant cartpole --start 0.1,0,0.05,0 --param pole_length=x2 --terminate no --json\n"
+    "  gust eval gain --plant cartpole --set 'k=[[-8.8,-9,-0.96,-0.25]]' --set 'units={theta=\"deg\", "
+    "theta_dot=\"deg/s\"}'\n"
     "  gust eval isaac.onnx --plant cartpole --observe=theta,theta_dot=deg/s,-x,x_dot --units N\n"
     "  gust eval ppo --study demo.gust --sweep 'action step' --level 3 --start random\n\n"
     "JSON: an array, one object an episode: length, failed, return_sum_commanded, return_sum_disturbed, every metric "
@@ -39,7 +42,7 @@ constexpr const char* kExamples =
     "Exit code 1: the policy gave NaN or an infinite action.";
 
 void add_options(CLI::App& command, EvalRequest& request) {
-  command.add_option("POLICY", request.policy, "FILE.onnx, lqr, pd or zero")->required();
+  command.add_option("POLICY", request.policy, "FILE.onnx, or a kind (gust list policies)")->required();
   command.add_option("--output", request.output, "the output of FILE.onnx that is the action, where it has several")
       ->type_name("NAME");
   command.add_option("--study", request.study, "the folder that gust run left")->type_name("DIR");
@@ -53,10 +56,12 @@ void add_options(CLI::App& command, EvalRequest& request) {
   command.add_option("--site", request.site, "where the disturbance enters: observation, action or dynamics")
       ->type_name("SITE");
   command.add_option("--waveform", request.waveform, "its shape (gust list waveforms)")->type_name("KIND");
+  command.add_option("--effect", request.effect, "in place of a waveform (gust list effects)")->type_name("KIND");
   command.add_option("--level", request.level, "what the shape is multiplied by; of a sweep a value on its axis")
       ->type_name("NUMBER");
   command
-      .add_option("--set", request.settings, "an option of the waveform, the disturbance, the readings or the plant")
+      .add_option("--set", request.settings,
+                  "an option of the waveform, the disturbance, the readings, the plant or the policy")
       ->type_name("KEY=VALUE");
   command.add_option("--param", request.parameters, "a parameter of the plant: 0.6, or x1.5 to scale it")
       ->type_name("NAME=VALUE");
@@ -86,8 +91,8 @@ void check_options(const CLI::App& command, const EvalRequest& request) {
     if (!request.sweep.empty()) throw Error("--sweep: needs the --study that it belongs to");
     return;
   }
-  for (const char* name : {"--plant", "--preset", "--output", "--site", "--waveform", "--set", "--param", "--observe",
-                           "--act", "--units", "--terminate", "--seed"}) {
+  for (const char* name : {"--plant", "--preset", "--output", "--site", "--waveform", "--effect", "--set", "--param",
+                           "--observe", "--act", "--units", "--terminate", "--seed"}) {
     if (command.get_option(name)->count() > 0) throw Error(cat(name, ": comes from the study; leave it out"));
   }
 }

@@ -6,6 +6,7 @@
 
 #include "gust/cli/command.h"
 #include "gust/cli/terminal_chart.h"
+#include "gust/control/disturber.h"
 #include "gust/core/text.h"
 #include "gust/study/text/warnings.h"
 #include "gust/study/trials/folder.h"
@@ -20,7 +21,7 @@ std::vector<std::vector<std::size_t>> channel_groups(const Injection& injection)
   for (std::size_t c = 0; c < injection.factors.size(); ++c) {
     if (injection.factors[c] == 0) continue;
     const auto alike = std::ranges::find_if(groups, [&](const std::vector<std::size_t>& group) {
-      return !injection.waveform->random() && injection.factors[group.front()] == injection.factors[c];
+      return !injection.random() && injection.factors[group.front()] == injection.factors[c];
     });
     if (alike == groups.end()) {
       groups.push_back({c});
@@ -52,7 +53,7 @@ std::string indented(const std::string& text, std::size_t indent) {
 
 /// What is left of a wave at the control steps of its window: how often it is sampled, and how far it swings.
 std::string sampled_text(const Drawn& drawn, std::span<const double> values, double factor, const PlantSpec& spec) {
-  const double frequency = drawn.injection.waveform->frequency();
+  const double frequency = drawn.injection.frequency();
   if (frequency == 0) return {};
   const std::int64_t end = std::min(drawn.injection.end, spec.steps);
   const auto [low, high] = std::ranges::minmax(values.subspan(static_cast<std::size_t>(drawn.injection.start),
@@ -64,7 +65,32 @@ std::string sampled_text(const Drawn& drawn, std::span<const double> values, dou
                      drawn.injection.site == Site::kObservation ? "policy" : "plant");
 }
 
+std::string time_axis(const PlantSpec& spec) {
+  return fmt::format("{:>{}}{:<8.4g}{:>{}.4g} s\n", "", kLabels, 0.0,
+                     static_cast<double>(spec.steps) / spec.control_rate, chart_columns() - 10);
+}
+
+/// What an effect makes of a step from 0 to 1, a tenth of the episode after its window begins.
+std::string effect_drawing(const Drawn& drawn, const PlantSpec& spec) {
+  const Injection& injection = drawn.injection;
+  const std::size_t channels = injection.factors.size();
+  const auto channel = static_cast<std::size_t>(std::ranges::find(injection.factors, 1.0) - injection.factors.begin());
+  const std::int64_t edge = injection.start + spec.steps / 10;
+  Disturber disturber(std::span(&injection, 1), {spec.steps, spec.control_rate}, 1);
+  disturber.begin(0, {.levels = {drawn.level},
+                      .signals = SignalSequence(std::span(&injection, 1), spec, {drawn.level}, Rng(0)).at(0)});
+  std::vector<double> values;
+  for (std::int64_t k = 0; k < spec.steps; ++k) {
+    Matrix<double> signal(channels, 1, k < edge ? 0.0 : 1.0);
+    disturber.apply(injection.site, std::span(&k, 1), signal.view(), {});
+    values.push_back(signal.at(channel, 0));
+  }
+  return indented(cat("what becomes of a step at ", static_cast<double>(edge) / spec.control_rate, " s"), 2) +
+         terminal_chart(values, {.columns = chart_columns(), .unicode = locale_is_utf8()});
+}
+
 std::string drawing(const Drawn& drawn, const Signals& signals, const PlantSpec& spec) {
+  if (drawn.injection.is_effect()) return effect_drawing(drawn, spec) + time_axis(spec);
   const std::vector<Component>& channels = channels_of(drawn.injection.site, spec);
   std::string text;
   for (const std::vector<std::size_t>& group : channel_groups(drawn.injection)) {
@@ -81,8 +107,7 @@ std::string drawing(const Drawn& drawn, const Signals& signals, const PlantSpec&
     if (!sampled.empty()) text += indented(sampled, 2);
     text += terminal_chart(values, {.columns = chart_columns(), .unicode = locale_is_utf8()});
   }
-  return text + fmt::format("{:>{}}{:<8.4g}{:>{}.4g} s\n", "", kLabels, 0.0,
-                            static_cast<double>(spec.steps) / spec.control_rate, chart_columns() - 10);
+  return text + time_axis(spec);
 }
 
 std::string numbers_text(const std::vector<double>& values) {
@@ -138,7 +163,8 @@ std::string preview_always(const Study& study) {
 std::string preview_training(const Study& study) {
   std::string text;
   for (const StudyPolicy& policy : study.policies) {
-    for (const Injection& injection : policy.disturbed) {
+    const PolicyTraining* training = policy.training();
+    for (const Injection& injection : training ? training->disturbed : std::vector<Injection>()) {
       text += cat("\n", indented(cat("while ", policy.name, " trains"), 0),
                   indented(cat(injection.canonical(), "; level ", injection.level), 2));
     }

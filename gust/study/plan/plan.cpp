@@ -47,8 +47,8 @@ bool box_is_actuator(const PlantSpec& spec) {
 /// What a training stands on. Where nothing is disturbed, nobody can tell where a force would pull, nor, as long as the
 /// reward does not charge the sum that is clipped, when the actuator clips it: such trainings have one text and are
 /// shared.
-std::string training_text(const Study& study, const StudyPolicy& policy) {
-  if (!policy.disturbed.empty() || policy.agent->disturbs()) return common_text(study);
+std::string training_text(const Study& study, const PolicyTraining& training) {
+  if (!training.disturbed.empty() || training.agent->disturbs()) return common_text(study);
   Readings readings = study.setup.readings;
   Made<Plant> plant = study.setup.plant;
   readings.tap_point = Readings{}.tap_point;
@@ -66,14 +66,9 @@ std::string injections_text(const std::vector<Injection>& injections) {
   return text;
 }
 
-std::string randomised_text(const Study& study, const StudyPolicy& policy) {
-  const std::string text = policy.randomised.canonical(study.setup.plant->spec());
+std::string randomised_text(const Study& study, const PolicyTraining& training) {
+  const std::string text = training.randomised.canonical(study.setup.plant->spec());
   return text.empty() ? text : cat("randomise ", text, "\n");
-}
-
-/// At which risk level it acts; nothing if at its own.
-std::string level_text(const StudyPolicy& policy) {
-  return policy.alpha ? cat("alpha ", canonical_text(*policy.alpha), "\n") : std::string();
 }
 
 /// What is different in all cells of a sweep.
@@ -84,54 +79,30 @@ std::string setting_text(const Study& study, const Sweep& sweep) {
   return text;
 }
 
-/// What a file is: its bytes, and those of the files that hold its weights.
-std::string file_text(const StudyPolicy::File& file) {
-  std::string text = hash_hex(file.bytes);
-  for (const auto& [name, bytes] : file.data) text += cat(" data ", hash_hex(bytes));
-  return text;
-}
-
-std::string output_text(const StudyPolicy& policy) {
-  return policy.output.empty() ? std::string() : cat("output ", policy.output, "\n");
-}
-
 /// What the policy is, without its name: equal policies in two studies share their trials.
 std::string policy_text(const Study& study, const Trial& trial, const Plan& plan) {
-  const StudyPolicy& policy = study.policies[trial.policy];
-  switch (policy.kind) {
-    case StudyPolicy::Kind::kLqr:
-      return cat("policy lqr q ", canonical_text(policy.weights.q), " r ", canonical_text(policy.weights.r), "\n");
-    case StudyPolicy::Kind::kPd:
-      return "policy pd\n";
-    case StudyPolicy::Kind::kZero:
-      return "policy zero\n";
-    case StudyPolicy::Kind::kOnnx:
-      return cat("policy onnx ", file_text(policy.files[trial.member]), "\n", output_text(policy), level_text(policy),
-                 policy.interface.canonical(study.setup.plant->spec()));
-    default:
-      return cat("policy ", plan.trials[trial.inputs.front()].id, "\n", level_text(policy));
-  }
+  PolicyMember member{trial.member};
+  if (!trial.inputs.empty()) member.training = plan.trials[trial.inputs.front()].id;
+  return cat("policy ", study.policies[trial.policy].source->canonical(member));
 }
 
 std::string member_label(const StudyPolicy& policy, std::size_t member) {
-  if (policy.kind == StudyPolicy::Kind::kTrain) return cat(policy.name, " seed ", policy.seeds[member]);
-  if (policy.kind == StudyPolicy::Kind::kOnnx && policy.files.size() > 1)
-    return cat(policy.name, " ", policy.files[member].path);
-  return policy.name;
+  if (policy.training()) return cat(policy.name, " seed ", policy.member(member));
+  return policy.count() > 1 ? cat(policy.name, " ", policy.member(member)) : policy.name;
 }
 
 Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
-  const StudyPolicy& trained = study.policies[policy];
+  const PolicyTraining& training = *study.policies[policy].training();
   Trial trial{.kind = Trial::Kind::kTrain, .policy = policy, .member = member};
   trial.canonical =
-      cat("train v", kTrainVersion, "\n", training_text(study, trained), "agent ", trained.agent.canonical(), "\n",
-          injections_text(trained.disturbed), randomised_text(study, trained),
-          trained.curve_as_trained ? "curve training\n" : "", "seed ", trained.seeds[member], "\n");
-  trial.what = cat("train ", member_label(trained, member));
-  if (!trained.randomised.draws.empty())
-    trial.what += cat(" · randomise ", trained.randomised.label(study.setup.plant->spec()));
-  trial.seconds = training_seconds(*trained.agent.object, study.setup.plant->spec());
-  name_trial(trial, cat(trained.agent.kind, " s", trained.seeds[member]));
+      cat("train v", kTrainVersion, "\n", training_text(study, training), "agent ", training.agent.canonical(), "\n",
+          injections_text(training.disturbed), randomised_text(study, training),
+          training.curve_as_trained ? "curve training\n" : "", "seed ", training.seeds[member], "\n");
+  trial.what = cat("train ", member_label(study.policies[policy], member));
+  if (!training.randomised.draws.empty())
+    trial.what += cat(" · randomise ", training.randomised.label(study.setup.plant->spec()));
+  trial.seconds = training_seconds(*training.agent.object, study.setup.plant->spec());
+  name_trial(trial, cat(training.agent.kind, " s", training.seeds[member]));
   return trial;
 }
 
@@ -143,7 +114,7 @@ Trial search_trial(const Study& study, Trial trial, const Plan& plan) {
                         sweep.injection->canonical(), "\nseed ", study.seed, "\n");
   trial.what = cat("search ", member_label(study.policies[trial.policy], trial.member), " · ", sweep.name);
   trial.seconds = 0.1;
-  name_trial(trial, cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind));
+  name_trial(trial, cat(site_name(sweep.injection->site), " ", sweep.injection->kind()));
   return trial;
 }
 
@@ -169,7 +140,7 @@ std::string starts_text(const Study& study) {
 std::string sweep_label(const Study& study, const Trial& trial) {
   if (trial.sweep == Trial::kNominal) return "nominal";
   const Sweep& sweep = study.sweeps[trial.sweep];
-  if (sweep.along_levels()) return cat(site_name(sweep.injection->site), " ", sweep.injection->waveform.kind);
+  if (sweep.along_levels()) return cat(site_name(sweep.injection->site), " ", sweep.injection->kind());
   return sweep.axes.size() == 1 ? sweep.axes[0].parameter : cat(sweep.axes[0].parameter, " ", sweep.axes[1].parameter);
 }
 
@@ -256,8 +227,7 @@ bool refines_margin(const Study& study, const Sweep& sweep) {
 Plan expand(const Study& study, const FoundLevels& found, const std::set<std::string>& failed) {
   Plan plan{.starts = study.starts, .episodes = static_cast<std::uint64_t>(study.episodes)};
   for_each_member(study, [&](std::size_t policy, std::size_t member) {
-    if (study.policies[policy].kind == StudyPolicy::Kind::kTrain)
-      plan.trials.push_back(train_trial(study, policy, member));
+    if (study.policies[policy].training()) plan.trials.push_back(train_trial(study, policy, member));
   });
   for_each_member(study, [&](std::size_t policy, std::size_t member) {
     const Trial base{.policy = policy, .member = member, .inputs = inputs_of(plan, policy, member)};
@@ -296,7 +266,10 @@ void set_levels(Study& study, const FoundLevels& found) {
   for (const auto& [sweep, levels] : found) study.sweeps[sweep].axes.front().values = levels;
 }
 
-double search_limit(Site site) { return site == Site::kObservation ? 12.0 : 60.0; }
+double search_limit(const Injection& injection, const PlantSpec& spec) {
+  if (injection.is_effect()) return injection.effect->limit(spec.control_rate);
+  return injection.site == Site::kObservation ? 12.0 : 60.0;
+}
 
 std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit) {
   static constexpr double kShares[] = {0, 0.25, 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5};

@@ -56,7 +56,7 @@ void set_levels(Study& study, const FoundLevels& found);
 /// together around it (decision 6).
 std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit);
 
-/// Beyond this level the search for a failure ends.
-double search_limit(Site site);
+/// Beyond this level of a disturbance the search for a failure ends.
+double search_limit(const Injection& injection, const PlantSpec& spec);
 
 }  // namespace gust

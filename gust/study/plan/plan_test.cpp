@@ -137,9 +137,7 @@ namespace {
 Study foreign_study(const std::vector<std::string>& settings) {
   Mlp<float> mlp(MlpShape{.sizes = {4, 1}});
   const std::string bytes = write_onnx({mlp}, {});
-  const auto find = [&](const std::string& pattern, const Place&) {
-    return std::vector<StudyPolicy::File>{{pattern, bytes}};
-  };
+  const auto find = [&](const std::string& pattern, const Place&) { return std::vector<StudyFile>{{pattern, bytes}}; };
   const std::string text =
       changed("name = \"nothing\"\nkind = \"zero\"", "name = \"nothing\"\nkind = \"onnx\"\nfile = \"a.onnx\"");
   return parse_study(text, "small.toml", settings, find);

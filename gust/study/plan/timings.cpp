@@ -64,10 +64,9 @@ double Timings::factor(const std::string& kind) const {
 }
 
 std::string timing_kind(const Study& study, const Trial& trial) {
-  const StudyPolicy& policy = study.policies[trial.policy];
-  const bool trained = policy.kind == StudyPolicy::Kind::kTrain;
-  return cat(kind_name(trial.kind), " ", trained ? policy.agent.kind : "untrained", " ", study.setup.plant.kind, " ",
-             study.setup.preset);
+  const PolicyTraining* training = study.policies[trial.policy].training();
+  return cat(kind_name(trial.kind), " ", training ? training->agent.kind : "untrained", " ", study.setup.plant.kind,
+             " ", study.setup.preset);
 }
 
 void predict(const Study& study, const Timings& timings, Plan& plan) {

@@ -40,8 +40,7 @@ FormulaValue ClaimScores::curve(std::string_view function, const Arguments& argu
 
 std::vector<std::vector<CurvePoint>> ClaimScores::curves(const Place& place) const {
   const StudyPolicy& policy = place.source->study->policies[place.policy];
-  if (policy.kind != StudyPolicy::Kind::kTrain)
-    throw Error(cat("policy '", policy.name, "' is not trained: it has no learning curve"));
+  if (!policy.training()) throw Error(cat("policy '", policy.name, "' is not trained: it has no learning curve"));
   std::vector<std::vector<CurvePoint>> curves;
   if (place.source->measured == nullptr) {
     constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();

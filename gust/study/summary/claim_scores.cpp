@@ -48,22 +48,24 @@ FormulaList listed(const std::vector<double>& axis, std::span<const Sampled> val
 /// What policies have in common whose seeds are the same trainings: a longer one goes on where a shorter one ends, and
 /// a risk level is chosen when the policy acts. The streams of resamples are named by this text, so it stays as it is.
 std::string seeds_key(const Study& study, const StudyPolicy& policy) {
-  if (policy.kind != StudyPolicy::Kind::kTrain) return policy.name;
-  const std::string rest = policy.agent.options.without("steps").text();
-  std::string key = cat(policy.agent.kind, "(", rest.empty() ? "" : ", ", rest, ")");
-  for (const Injection& injection : policy.disturbed)
+  const PolicyTraining* training = policy.training();
+  if (training == nullptr) return policy.name;
+  const std::string rest = training->agent.options.without("steps").text();
+  std::string key = cat(training->agent.kind, "(", rest.empty() ? "" : ", ", rest, ")");
+  for (const Injection& injection : training->disturbed)
     key += cat("; ", injection.canonical(), " ", canonical_text(injection.level));
-  return cat(key, "; ", policy.randomised.canonical(study.setup.plant->spec()),
-             policy.curve_as_trained ? "; curve" : "");
+  return cat(key, "; ", training->randomised.canonical(study.setup.plant->spec()),
+             training->curve_as_trained ? "; curve" : "");
 }
 
 /// The seeds of a policy whose trainings did not end without one.
 std::set<std::int64_t> seeds_left(const ClaimSource& source, const StudyPolicy& policy) {
-  std::set<std::int64_t> seeds(policy.seeds.begin(), policy.seeds.end());
+  const PolicyTraining& training = *policy.training();
+  std::set<std::int64_t> seeds(training.seeds.begin(), training.seeds.end());
   if (source.measured == nullptr) return seeds;
   const auto index = static_cast<std::size_t>(&policy - source.study->policies.data());
   for (std::size_t member = 0; member < policy.count(); ++member) {
-    if (source.measured->training_failed(index, member)) seeds.erase(policy.seeds[member]);
+    if (source.measured->training_failed(index, member)) seeds.erase(training.seeds[member]);
   }
   return seeds;
 }
@@ -71,13 +73,13 @@ std::set<std::int64_t> seeds_left(const ClaimSource& source, const StudyPolicy& 
 }  // namespace
 
 ClaimScores::Statistics ClaimScores::over_units(const Place& place) const {
-  const bool trained = place.source->study->policies[place.policy].kind == StudyPolicy::Kind::kTrain;
+  const bool trained = place.source->study->policies[place.policy].training() != nullptr;
   if (!trained || view_.over_seeds == Statistic::mean) return mean;
   return [statistic = view_.over_seeds](std::span<const double> units) { return aggregate(statistic, units); };
 }
 
 bool ClaimScores::draws_one(const Place& place) const {
-  return view_.one_training && place.source->study->policies[place.policy].kind == StudyPolicy::Kind::kTrain;
+  return view_.one_training && place.source->study->policies[place.policy].training() != nullptr;
 }
 
 /// A single unit has no resamples that would say anything: they are not numbers.
@@ -198,22 +200,23 @@ std::vector<std::size_t> ClaimScores::find_members(const Place& place) const {
   const StudyPolicy& policy = place.source->study->policies[place.policy];
   std::vector<std::size_t> members;
   for (std::size_t member = 0; member < policy.count(); ++member) members.push_back(member);
-  if (policy.kind != StudyPolicy::Kind::kTrain) return members;
+  const PolicyTraining* training = policy.training();
+  if (training == nullptr) return members;
   const std::string key = seeds_key(*place.source->study, policy);
   for (const ClaimSource& source : sources_) {
     for (const StudyPolicy& other : source.study->policies) {
-      if (other.kind != StudyPolicy::Kind::kTrain || seeds_key(*source.study, other) != key) continue;
+      if (!other.training() || seeds_key(*source.study, other) != key) continue;
       const std::set<std::int64_t> left = seeds_left(source, other);
-      std::erase_if(members, [&](std::size_t member) { return !left.contains(policy.seeds[member]); });
+      std::erase_if(members, [&](std::size_t member) { return !left.contains(training->seeds[member]); });
     }
   }
-  std::ranges::sort(members, {}, [&](std::size_t member) { return policy.seeds[member]; });
+  std::ranges::sort(members, {}, [&](std::size_t member) { return training->seeds[member]; });
   return members;
 }
 
 void ClaimScores::count_seeds(const Place& place) const {
   const StudyPolicy& policy = place.source->study->policies[place.policy];
-  if (policy.kind != StudyPolicy::Kind::kTrain && policy.count() < 2) return;
+  if (!policy.training() && policy.count() < 2) return;
   const std::size_t count = members(place).size();
   fewest_seeds_ = std::min(fewest_seeds_.value_or(count), count);
 }
@@ -329,7 +332,7 @@ std::vector<Sampled> ClaimScores::read_cells(const Place& place, const std::stri
       const std::string own = cat(study.name, "/", place.sweep, "/", metric, "/", cells.size());
       cell = sampled_share(std::move(cell), values.rows() * values.lanes(), noise, noise.split(own));
     }
-    const bool alone = study.policies[place.policy].kind != StudyPolicy::Kind::kTrain && cell.n == 1;
+    const bool alone = !study.policies[place.policy].training() && cell.n == 1;
     if (alone && rows.repeats(start)) cell.limit = kSameEpisodes;
     cells.push_back(std::move(cell));
   }

@@ -1,9 +1,7 @@
 #include "gust/study/summary/comparison.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <numeric>
 
 #include "gust/core/crew.h"
@@ -63,7 +61,7 @@ std::shared_ptr<const MarginData> margin_of(const Measurements& measured, const 
 /// Seeds of a policy that has some: trainings, or several files.
 std::size_t seeds_of(const Study& study, std::size_t policy, const OwnedCurve& curve) {
   const StudyPolicy& of = study.policies[policy];
-  return of.kind == StudyPolicy::Kind::kTrain || of.count() > 1 ? curve.cells.front().rows : 0;
+  return of.training() || of.count() > 1 ? curve.cells.front().rows : 0;
 }
 
 std::optional<SweepComparison> compare_along(const Measurements& measured, const PolicyPair& pair, std::size_t sweep) {
@@ -127,21 +125,14 @@ std::vector<SweepComparison> compare_pairs(const Measurements& measured, const s
                                            std::size_t threads) {
   const std::size_t width = measured.study().sweeps.size() + 1;  // undisturbed first
   std::vector<std::optional<SweepComparison>> found(pairs.size() * width);
-  std::vector<std::exception_ptr> errors(found.size());
-  std::atomic<std::size_t> next = 0;
-  run_crew(threads, [&] {
-    for (std::size_t i = next++; i < found.size(); i = next++) {
-      try {
-        found[i] = compare_along(measured, pairs[i / width], i % width == 0 ? Trial::kNominal : i % width - 1);
-      } catch (...) {
-        errors[i] = std::current_exception();
-      }
-    }
+  for_each_item(threads, found.size(), [&] {
+    return [&](std::size_t i) {
+      found[i] = compare_along(measured, pairs[i / width], i % width == 0 ? Trial::kNominal : i % width - 1);
+    };
   });
   std::vector<SweepComparison> result;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (errors[i]) std::rethrow_exception(errors[i]);
-    if (found[i]) result.push_back(std::move(*found[i]));
+  for (std::optional<SweepComparison>& one : found) {
+    if (one) result.push_back(std::move(*one));
   }
   return result;
 }

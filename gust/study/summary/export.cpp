@@ -154,7 +154,7 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
     if (!stored) continue;
     for (const CurvePoint& point : read_curve(stored->read(kCurveFile), kCurveFile)) {
       database.bind(1, study.policies[trial.policy].name);
-      database.bind(2, study.policies[trial.policy].seeds[trial.member]);
+      database.bind(2, study.policies[trial.policy].training()->seeds[trial.member]);
       database.bind(3, point.steps);
       int column = 3;
       for (const CurveColumn& of_curve : kCurveColumns) database.bind(++column, point.*of_curve.value);
@@ -182,7 +182,7 @@ ExportRow export_head(const Study& study, std::size_t policy, std::size_t member
   if (const std::optional<Injection>& injection = sweep.injection) {
     row.site = site_name(injection->site);
     row.channels = channels_text(*injection, spec);
-    row.waveform = injection->waveform.canonical();
+    row.waveform = injection->shape();
     row.window = cat(injection->start, ":", std::min(injection->end, spec.steps));
   }
   if (!sweep.along_levels()) {

@@ -1,7 +1,6 @@
 #include "gust/study/summary/summary.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 
@@ -234,22 +233,11 @@ Summary summarise(const Measurements& measured, std::size_t threads) {
   Summary summary;
   summary.margin_metric = margin_metric(measured.study());
   std::vector<std::vector<Series>> parts(groups.size());
-  std::vector<std::exception_ptr> errors(groups.size());
-  std::atomic<std::size_t> next = 0;
-  run_crew(threads, [&] {
-    Summariser summariser(measured, summary.margin_metric);
-    for (std::size_t i = next++; i < groups.size(); i = next++) {
-      try {
-        parts[i] = summariser.summarise(groups[i]);
-      } catch (...) {
-        errors[i] = std::current_exception();
-      }
-    }
+  for_each_item(threads, groups.size(), [&] {
+    auto summariser = std::make_shared<Summariser>(measured, summary.margin_metric);
+    return [&, summariser](std::size_t i) { parts[i] = summariser->summarise(groups[i]); };
   });
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (errors[i]) std::rethrow_exception(errors[i]);
-    std::ranges::move(parts[i], std::back_inserter(summary.series));
-  }
+  for (std::vector<Series>& part : parts) std::ranges::move(part, std::back_inserter(summary.series));
   summary.missing = measured.missing();
   summary.curves = measured.curves();
   summary.kept = measured.kept();

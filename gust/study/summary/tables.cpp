@@ -83,8 +83,8 @@ std::string as_list(const TextRows& rows, std::size_t columns) {
 
 std::vector<std::string> margin_row(const Study& study, const Summary& summary, std::size_t s, std::size_t start) {
   const Sweep& sweep = study.sweeps[s];
-  std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)),
-                                  sweep.injection->waveform.kind, sweep.unit(study.setup.plant->spec())};
+  std::vector<std::string> row = {sweep.name, std::string(site_name(sweep.injection->site)), sweep.injection->kind(),
+                                  sweep.unit(study.setup.plant->spec())};
   for (std::size_t p = 0; p < study.policies.size(); ++p) {
     const Series* series = summary.find(p, s, start);
     row.push_back(series && series->has_margin ? margin_text(series->margin) : "–");

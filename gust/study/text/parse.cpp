@@ -144,8 +144,8 @@ void parse_head(const Table& table, Study& study) {
 /// "dynamics step(offset = 2) on fx in steps 25:50 at 0.2": all that makes it another one.
 std::string injection_text(const Injection& injection, const PlantSpec& spec) {
   const bool all = std::ranges::all_of(injection.factors, [](double factor) { return factor == 1; });
-  const std::string& waveform = injection.waveform.canonical();
-  const std::string shape = waveform.ends_with("()") ? injection.waveform.kind : waveform;
+  const std::string& waveform = injection.shape();
+  const std::string shape = waveform.ends_with("()") ? injection.kind() : waveform;
   const std::int64_t end = std::min(injection.end, spec.steps);
   const bool whole = injection.start == 0 && end == spec.steps;
   return cat(site_name(injection.site), " ", shape, all ? "" : cat(" on ", channels_text(injection, spec)),
@@ -153,16 +153,6 @@ std::string injection_text(const Injection& injection, const PlantSpec& spec) {
 }
 
 }  // namespace
-
-std::size_t StudyPolicy::count() const {
-  if (kind == Kind::kTrain) return seeds.size();
-  return kind == Kind::kOnnx ? files.size() : 1;
-}
-
-std::string StudyPolicy::member(std::size_t index) const {
-  if (kind == Kind::kTrain) return cat(seeds[index]);
-  return kind == Kind::kOnnx ? files[index].path : std::string();
-}
 
 std::size_t Sweep::cells() const {
   std::size_t cells = 1;
@@ -172,6 +162,7 @@ std::size_t Sweep::cells() const {
 
 std::string Sweep::unit(const PlantSpec& spec, std::size_t axis) const {
   if (!axes[axis].parameter.empty()) return spec.parameters[axes[axis].index].unit;
+  if (injection->is_effect()) return std::string(injection->effect->unit());
   const std::vector<Component>& channels = channels_of(injection->site, spec);
   std::vector<std::string> units;
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -253,6 +244,8 @@ std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec) {
     const Table& table = item.as_table("disturb");
     if (!table.contains("level")) throw error_at(table.place, "a disturbance that is always on needs a 'level'");
     injections.push_back(parse_injection(table, spec));
+    const std::string complaint = together_complaint(injections);
+    if (!complaint.empty()) throw error_at(table.place, complaint);
   }
   return injections;
 }

@@ -38,7 +38,7 @@ ReferenceCurve parse_reference(const Table& table, const FindFiles& find, const 
     throw error_at(place, "unknown policy '", curve.policy, "'");
   }
   curve.source = checked_name(table, "source", "a learning curve");
-  const std::vector<StudyPolicy::File> files = find(required_text(table, "file", "a learning curve"), table.place);
+  const std::vector<StudyFile> files = find(required_text(table, "file", "a learning curve"), table.place);
   if (files.size() != 1) throw error_at(table.place, "'file' must name one file, found ", files.size());
   const auto column = [&](const char* key) {
     return table.contains(key) ? required_text(table, key, "a learning curve") : std::string();

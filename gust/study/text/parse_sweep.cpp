@@ -109,6 +109,21 @@ void parse_setting(const Table& table, const Study& study, Sweep& sweep) {
   }
 }
 
+/// Levels that the effect of a sweep cannot have, and effects that cannot be together.
+void check_effects(const Table& table, const Study& study, const Sweep& sweep) {
+  std::vector<Injection> all = study.always;
+  all.insert(all.end(), sweep.disturbed.begin(), sweep.disturbed.end());
+  if (sweep.injection) all.push_back(*sweep.injection);
+  const std::string together = together_complaint(all);
+  if (!together.empty()) throw error_at(table.place, together);
+  for (const Sweep::Axis& axis : sweep.axes) {
+    if (!sweep.injection || !axis.parameter.empty() || axis.values.empty()) continue;
+    const std::string level = level_complaint(*sweep.injection, axis.values.front());
+    const Value* levels = table.find(table.contains("grid") ? "grid" : "levels");
+    if (!level.empty()) throw error_at(levels->place, level);
+  }
+}
+
 }  // namespace
 
 double parameter_value(const Value& value, const Parameter& parameter) {
@@ -140,6 +155,7 @@ Sweep parse_sweep(const Table& table, const Study& study) {
     parse_disturbance(table, study, sweep);
   }
   parse_setting(table, study, sweep);
+  check_effects(table, study, sweep);
   if (sweep.cells() > kMostCells)
     throw error_at(table.place, "sweep '", sweep.name, "' has ", sweep.cells(), " cells; at most ", kMostCells);
   return sweep;

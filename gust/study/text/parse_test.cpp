@@ -139,7 +139,7 @@ TEST_CASE("settings replace what the text says, tables in a list by their name")
 
   CHECK(study.episodes == 5);
   CHECK(study.sweeps[0].axes[0].values == std::vector<double>{1, 2});
-  CHECK(study.policies[0].weights.r == std::vector<double>{0.5});
+  CHECK(study.policies[0].source->canonical({}).ends_with(" r [0.5]\n"));
   CHECK(study.setup.plant->spec().parameters[0].nominal == 0.7);
 }
 

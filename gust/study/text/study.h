@@ -3,47 +3,27 @@
 #include <optional>
 #include <set>
 
-#include "gust/agents/agent.h"
-#include "gust/control/lqr.h"
-#include "gust/control/policy_interface.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
-#include "gust/onnx/data.h"
-#include "gust/setup/setup.h"
 #include "gust/stats/claim.h"
+#include "gust/study/policies/policy_source.h"
 
 namespace gust {
 
-/// A policy of a study: a regulator, nothing at all, files, or trainings with one policy a seed.
+/// A policy of a study, which may be several: one a training seed or a file.
 struct StudyPolicy {
-  enum class Kind { kLqr, kPd, kZero, kOnnx, kTrain };
-  struct File {
-    std::string path;  ///< as the study's pattern found it
-    std::string bytes;
-    OnnxData data = {};  ///< the files beside an ONNX file that hold its weights; they are part of what the policy is
-  };
-
   std::string name;
-  Kind kind = Kind::kZero;
+  std::string kind;
   Place place;
-  LqrWeights weights;                                       ///< kLqr
-  std::vector<File> files;                                  ///< kOnnx; several count as seeds, byte-equal ones are one
-  std::vector<std::pair<std::string, std::string>> copies;  ///< kOnnx: files left out, each with the one it equals
-  Made<Agent> agent;                                        ///< kTrain
-  std::vector<std::int64_t> seeds;                          ///< kTrain
-  std::vector<Injection> disturbed;                         ///< kTrain: on during training
-  Randomisation randomised;                                 ///< kTrain: parameters drawn in training
-  bool curve_as_trained = false;                            ///< kTrain: its learning curve has them, and is disturbed
-  std::string output;           ///< kOnnx: the output that is the action; empty: read_onnx finds it
-  std::optional<double> alpha;  ///< kOnnx and kTrain: the risk level to act at, if not the policy's own
-  PolicyInterface interface;    ///< kOnnx: how it sees and acts, if not as gust does
-  bool foreign = false;         ///< kOnnx: a file of it was not made by gust
-  std::string unit_warning;     ///< kOnnx: of its first file whose unit nobody says
+  std::shared_ptr<const PolicySource> source;  ///< shared because it never changes
+  std::vector<std::string> members;            ///< its source's
 
   /// How many policies share the name: training seeds or files, else one.
-  std::size_t count() const;
+  std::size_t count() const { return members.size(); }
   /// Which of them it is: the training seed or the file; empty for a policy that stands alone.
-  std::string member(std::size_t index) const;
+  const std::string& member(std::size_t index) const { return members[index]; }
+  /// What has to be trained first; null if nothing has to be.
+  const PolicyTraining* training() const { return source->training(); }
 };
 
 /// Something that grows along an axis while everything else stays: the level of a disturbance, or plant parameters.
@@ -126,7 +106,7 @@ struct Study {
   TraceRule traces;
   std::vector<ReferenceCurve> reference_curves;
   MetricSet metric_set;
-  std::vector<std::vector<StudyPolicy::File>> found;  ///< every file that was read, by pattern, in the order of asking
+  std::vector<std::vector<StudyFile>> found;  ///< every file that was read, by pattern, in the order of asking
 };
 
 /// The starts of a study by index, in the order in which results are told: the one that is named, then random ones.
@@ -135,9 +115,6 @@ std::vector<std::size_t> starts_to_tell(const Study& study, std::string_view fir
 /// What margins are of, and score() in claims: the first leading metric that is better when higher, but not survival,
 /// which has no slope.
 std::size_t margin_metric(const Study& study);
-
-/// Finds and reads the files of a pattern such as "policies/*.onnx", sorted by path.
-using FindFiles = std::function<std::vector<StudyPolicy::File>(const std::string& pattern, const Place& place)>;
 
 /// Reads a study. `settings` are key=value pairs that replace what the text says, the last one first
 /// ("evaluate.episodes=5", "policy.ppo.seeds=[1,2]"). Throws Error with the place and what would be right.

@@ -47,7 +47,7 @@ holds = "survival <= 0.8"
 keep_traces = "worst 1, median 1"
 )";
 
-inline std::vector<StudyPolicy::File> no_files(const std::string&, const Place&) { return {}; }
+inline std::vector<StudyFile> no_files(const std::string&, const Place&) { return {}; }
 
 inline Study small_study(const std::vector<std::string>& settings = {}, std::string_view text = kSmallStudy) {
   return parse_study(text, "small.toml", settings, no_files);

@@ -51,7 +51,7 @@ void warn_of_offset(const Injection& injection, const PlantSpec& spec, const std
   }
   if (most > kHalfTurn)
     warnings.push_back(fmt::format("{}: the observation {} reaches {:.4g} rad, more than half a turn{}", whose,
-                                   injection.waveform.kind, most, degrees_question(most)));
+                                   injection.kind(), most, degrees_question(most)));
 }
 
 /// Injections whose window closes before their shape begins, waves whose shape is coarse, angles in degrees.
@@ -60,10 +60,10 @@ void warn_of_injections(std::span<const Injection> injections, const PlantSpec& 
   std::ranges::move(wave_warnings(injections, spec, whose), std::back_inserter(warnings));
   for (const Injection& injection : injections) {
     warn_of_offset(injection, spec, whose, warnings);
-    if (injection.end > injection.waveform->onset()) continue;
-    warnings.push_back(cat(whose, ": the ", site_name(injection.site), " ", injection.waveform.kind,
+    if (injection.end > injection.onset()) continue;
+    warnings.push_back(cat(whose, ": the ", site_name(injection.site), " ", injection.kind(),
                            " disturbs nothing: its window ends at step ", injection.end, ", its shape begins at step ",
-                           injection.waveform->onset()));
+                           injection.onset()));
   }
 }
 
@@ -108,11 +108,11 @@ std::vector<std::string> wave_warnings(std::span<const Injection> injections, co
   constexpr double kFewSamples = 10;  // a period; a sine of as many may miss its peak by 5 %
   std::vector<std::string> warnings;
   for (const Injection& injection : injections) {
-    const double frequency = injection.waveform->frequency();
+    const double frequency = injection.frequency();
     if (kFewSamples * frequency <= spec.control_rate) continue;
     warnings.push_back(fmt::format("{}the {} {} of {:.6g} Hz has {:.3g} samples a period: its shape is coarse",
-                                   whose.empty() ? "" : whose + ": ", site_name(injection.site),
-                                   injection.waveform.kind, frequency, spec.control_rate / frequency));
+                                   whose.empty() ? "" : whose + ": ", site_name(injection.site), injection.kind(),
+                                   frequency, spec.control_rate / frequency));
   }
   return warnings;
 }
@@ -150,12 +150,12 @@ std::vector<std::string> study_warnings(const Study& study) {
   std::vector<std::string> warnings = plant_warnings(study.setup);
   warn_of_injections(study.always, spec, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {
-    for (const auto& [copy, original] : policy.copies)
-      warnings.push_back(cat("policy '", policy.name, "': ", copy, " equals ", original,
-                             " byte for byte; the two are one policy and count once"));
-    if (!policy.unit_warning.empty()) warnings.push_back(cat("policy '", policy.name, "': ", policy.unit_warning));
-    warn_of_injections(policy.disturbed, spec, cat("policy '", policy.name, "'"), warnings);
-    for (const std::string& warning : draw_warnings(study.setup, policy.randomised))
+    for (const std::string& warning : policy.source->warnings())
+      warnings.push_back(cat("policy '", policy.name, "': ", warning));
+    const PolicyTraining* training = policy.training();
+    if (training == nullptr) continue;
+    warn_of_injections(training->disturbed, spec, cat("policy '", policy.name, "'"), warnings);
+    for (const std::string& warning : draw_warnings(study.setup, training->randomised))
       warnings.push_back(cat("policy '", policy.name, "': ", warning));
   }
   for (const Sweep& sweep : study.sweeps) {

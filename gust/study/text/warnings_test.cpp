@@ -18,8 +18,8 @@ std::vector<std::string> warnings_of(const std::string& clip, std::string_view t
   const std::string text =
       cat("schema = 1\nname = \"q\"\nplant = { kind = \"quadrotor\", mass = ", mass,
           " }\nreadings = { command_clip = \"", clip, "\" }\n[[policy]]\nname = \"zero\"\nkind = \"zero\"\n", tables);
-  return study_warnings(parse_study(text, "q.toml", {},
-                                    [](const std::string&, const Place&) { return std::vector<StudyPolicy::File>{}; }));
+  return study_warnings(
+      parse_study(text, "q.toml", {}, [](const std::string&, const Place&) { return std::vector<StudyFile>{}; }));
 }
 
 std::string trained_over(const std::string& mass) {
@@ -81,7 +81,7 @@ TEST_CASE("angles that look like degrees are told") {
     const std::string text = cat("schema = 1\nname = \"c\"\nplant = { kind = \"cartpole\", ", options,
                                  " }\n[[policy]]\nname = \"zero\"\nkind = \"zero\"\n");
     return plant_warnings(parse_study(text, "c.toml", {}, [](const std::string&, const Place&) {
-                            return std::vector<StudyPolicy::File>{};
+                            return std::vector<StudyFile>{};
                           }).setup);
   };
 
@@ -159,7 +159,7 @@ TEST_CASE("byte-equal files of a pattern are one policy, and a warning names the
     return write_onnx({mlp}, {});
   };
   const FindFiles find = [&](const std::string&, const Place&) {
-    return std::vector<StudyPolicy::File>{{"a.onnx", linear(1)}, {"b.onnx", linear(2)}, {"c.onnx", linear(1)}};
+    return std::vector<StudyFile>{{"a.onnx", linear(1)}, {"b.onnx", linear(2)}, {"c.onnx", linear(1)}};
   };
   const std::string text =
       "schema = 1\nname = \"s\"\nplant = { kind = \"cartpole\", preset = \"scg-default\" }\n"
@@ -167,9 +167,8 @@ TEST_CASE("byte-equal files of a pattern are one policy, and a warning names the
 
   const Study study = parse_study(text, "s.toml", {}, find);
 
-  REQUIRE(study.policies[0].files.size() == 2);
-  CHECK(study.policies[0].count() == 2);
-  CHECK(study.policies[0].files[1].path == "b.onnx");
+  REQUIRE(study.policies[0].count() == 2);
+  CHECK(study.policies[0].member(1) == "b.onnx");
   CHECK(study_warnings(study) ==
         Warnings{"policy 'net': c.onnx equals a.onnx byte for byte; the two are one policy and "
                  "count once"});

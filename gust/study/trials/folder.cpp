@@ -93,8 +93,8 @@ std::string read_copy(const fs::path& folder, const std::string& hash) {
   return bytes;
 }
 
-StudyPolicy::File read_kept(const fs::path& folder, const KeptFile& kept) {
-  StudyPolicy::File file{kept.path, read_copy(folder, kept.hash)};
+StudyFile read_kept(const fs::path& folder, const KeptFile& kept) {
+  StudyFile file{kept.path, read_copy(folder, kept.hash)};
   for (const auto& [name, hash] : kept.data) file.data[name] = read_copy(folder, hash);
   return file;
 }
@@ -106,7 +106,7 @@ std::string keep_copy(const fs::path& folder, const std::string& bytes) {
   return hash;
 }
 
-Json keep_file(const fs::path& folder, const StudyPolicy::File& file) {
+Json keep_file(const fs::path& folder, const StudyFile& file) {
   Json entry = {{"path", file.path}, {"hash", keep_copy(folder, file.bytes)}};
   for (const auto& [name, bytes] : file.data) entry["data"][name] = keep_copy(folder, bytes);
   return entry;
@@ -143,7 +143,7 @@ fs::path StudyFolder::store() const {
 
 FindFiles files_beside(const fs::path& base) {
   return [base](const std::string& pattern, const Place& place) {
-    std::vector<StudyPolicy::File> files;
+    std::vector<StudyFile> files;
     std::size_t left = kFoundBytes;
     try {
       for (const fs::path& path : glob_files(base, pattern)) {
@@ -201,9 +201,9 @@ void StudyFolder::check_place() const {
 
 void StudyFolder::write_study(const Study& study, const RunInputs& inputs, const std::string& rows_hash) const {
   Json patterns = Json::array();
-  for (const std::vector<StudyPolicy::File>& files : study.found) {
+  for (const std::vector<StudyFile>& files : study.found) {
     Json found = Json::array();
-    for (const StudyPolicy::File& file : files) found.push_back(keep_file(path_, file));
+    for (const StudyFile& file : files) found.push_back(keep_file(path_, file));
     patterns.push_back(found);
   }
   Json json = {{"study", inputs.study},
@@ -229,7 +229,7 @@ Study StudyFolder::open(const Store::Notice& notice) const {
   const KeptInputs inputs = read_inputs(path_);
   std::size_t asked = 0;
   const FindFiles find = [&](const std::string&, const Place&) {
-    std::vector<StudyPolicy::File> files;
+    std::vector<StudyFile> files;
     if (asked == inputs.patterns.size()) return files;
     for (const KeptFile& file : inputs.patterns[asked++]) files.push_back(read_kept(path_, file));
     return files;

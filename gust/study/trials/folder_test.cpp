@@ -41,8 +41,8 @@ TEST_CASE("a kept study is read back without the files that it was made from") {
   CHECK(scene.kept.inputs().study == "study.toml");
   CHECK(scene.kept.inputs().settings == std::vector<std::string>{"evaluate.episodes=2"});
   REQUIRE(study.policies[1].count() == 2);
-  CHECK(study.policies[1].files[0].path == "policies/a.onnx");
-  CHECK(study.policies[1].files[1].path == "policies/b.onnx");
+  CHECK(study.policies[1].member(0) == "policies/a.onnx");
+  CHECK(study.policies[1].member(1) == "policies/b.onnx");
 }
 
 TEST_CASE("what of a kept study was touched is named, and the next run writes it again") {

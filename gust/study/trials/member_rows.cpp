@@ -60,7 +60,7 @@ std::vector<TrialGroup> trial_groups(const Plan& plan) {
 
 bool episodes_repeat(const Study& study, std::size_t sweep, std::size_t start) {
   if (study.starts[start].random) return false;
-  const auto random = [](const Injection& injection) { return injection.waveform->random(); };
+  const auto random = [](const Injection& injection) { return injection.random(); };
   if (std::ranges::any_of(study.always, random)) return false;
   if (sweep == Trial::kNominal) return true;
   const Sweep& swept = study.sweeps[sweep];

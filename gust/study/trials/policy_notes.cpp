@@ -1,6 +1,6 @@
 #include "gust/study/trials/policy_notes.h"
 
-#include "gust/study/trials/policies.h"
+#include "gust/study/policies/file_policy.h"
 #include "gust/study/trials/trial_check.h"
 
 namespace gust {
@@ -50,7 +50,8 @@ std::vector<std::string> policy_notes(const Study& study, const Plan& plan, cons
   }
   for (const Trial& trial : plan.trials) {
     const bool undisturbed = trial.sweep == Trial::kNominal && study.always.empty();
-    if (trial.kind != Trial::Kind::kEvaluate || !undisturbed || !study.policies[trial.policy].foreign) continue;
+    if (trial.kind != Trial::Kind::kEvaluate || !undisturbed || !study.policies[trial.policy].source->foreign())
+      continue;
     if (told_of[trial.policy]) continue;
     const std::optional<StoredTrial> stored = load_trial(plan, trial, store);
     const std::string failure = stored ? at_once_text(study.metric_set, *stored, trial.id) : std::string();

@@ -60,7 +60,7 @@ FoundLevels found_levels(const Study& study, const Plan& plan, const Store& stor
   FoundLevels found;
   for (const auto& [sweep, levels] : failures) {
     if (!complete[sweep]) continue;
-    found[sweep] = common_levels(levels, search_limit(study.sweeps[sweep].injection->site));
+    found[sweep] = common_levels(levels, search_limit(*study.sweeps[sweep].injection, study.setup.plant->spec()));
     add_claimed(study, study.sweeps[sweep], found[sweep]);
   }
   return found;

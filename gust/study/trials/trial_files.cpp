@@ -39,6 +39,24 @@ Matrix<double> matrix_from(const Json& rows) {
   return matrix;
 }
 
+/// What a policy remembered, absent from the episodes of those that remember nothing.
+void read_memory(Trace& trace, const Json& list) {
+  Json rows = Json::array();
+  for (const Json& item : list) {
+    trace.memory_of.push_back({item.at("name"), item.at("unit")});
+    rows.push_back(item.at("values"));
+  }
+  trace.memory = matrix_from(rows);
+}
+
+Json memory_json(const Trace& trace) {
+  Json list = Json::array();
+  const Json rows = matrix_json(trace.memory);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    list.push_back({{"name", trace.memory_of[i].name}, {"unit", trace.memory_of[i].unit}, {"values", rows[i]}});
+  return list;
+}
+
 Trace trace_from(const Json& json) {
   Trace trace;
   trace.index = {json.at("cell"), json.at("start"), json.at("episode")};
@@ -50,6 +68,7 @@ Trace trace_from(const Json& json) {
   trace.force = matrix_from(json.at("force"));
   for (const Json& reward : json.at("reward")) trace.reward.push_back(number_from(reward));
   trace.failed_at = json.at("failed_at");
+  if (json.contains("memory")) read_memory(trace, json["memory"]);
   return trace;
 }
 
@@ -111,6 +130,7 @@ std::string traces_text(const std::vector<Trace>& traces) {
                     {"applied", matrix_json(trace.applied)},
                     {"force", matrix_json(trace.force)},
                     {"reward", trace.reward}});
+    if (!trace.memory_of.empty()) list.back()["memory"] = memory_json(trace);
   }
   return list.dump() + "\n";
 }

@@ -4,13 +4,11 @@
 #include <chrono>
 #include <cmath>
 
-#include "gust/control/cascade.h"
 #include "gust/core/version.h"
 #include "gust/onnx/onnx.h"
 #include "gust/store/checkpoint.h"
 #include "gust/study/trials/cell_collector.h"
 #include "gust/study/trials/margin_trial.h"
-#include "gust/study/trials/policies.h"
 #include "gust/study/trials/trace_choice.h"
 #include "gust/study/trials/trial_check.h"
 
@@ -73,10 +71,10 @@ void write_adversaries(TrialWriter& writer, const Training& training, std::map<s
 
 Outcome run_train(const Study& study, const Trial& trial, const Store& store, std::stop_token stop,
                   ProgressSink& progress) {
-  const StudyPolicy& policy = study.policies[trial.policy];
-  const TrainingTask task{study.setup.plant.object.get(), study.setup.readings,    policy.disturbed,
-                          policy.seeds[trial.member],     policy.randomised.draws, policy.curve_as_trained};
-  const std::unique_ptr<Training> training = begin_training(*policy.agent, task, store, trial.id);
+  const PolicyTraining& asked = *study.policies[trial.policy].training();
+  const TrainingTask task{study.setup.plant.object.get(), study.setup.readings,   asked.disturbed,
+                          asked.seeds[trial.member],      asked.randomised.draws, asked.curve_as_trained};
+  const std::unique_ptr<Training> training = begin_training(*asked.agent, task, store, trial.id);
   if (!train_to_end(*training, store, trial.id, stop, progress)) return {Outcome::State::stopped, ""};
 
   TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
@@ -85,7 +83,7 @@ Outcome run_train(const Study& study, const Trial& trial, const Store& store, st
     const std::map<std::string, std::string> metadata = {{"gust.plant", study.setup.plant.kind},
                                                          {"gust.preset", study.setup.preset},
                                                          {"gust.units", study.setup.plant->spec().action_unit()},
-                                                         {"gust.seed", cat(policy.seeds[trial.member])},
+                                                         {"gust.seed", cat(asked.seeds[trial.member])},
                                                          {"gust.version", std::string(kVersion)},
                                                          {"gust.trial", trial.id}};
     writer.write(kPolicyFile, write_onnx(training->actor(), metadata));
@@ -172,7 +170,8 @@ Outcome run_search(const Study& study, const Plan& plan, const Trial& trial, con
   task->evaluation.starts = {nominal_start(study.setup.plant->spec())};
   task->evaluation.episodes = 1;
   task->evaluation.cells = {plain_cell(study, trial, task->injections)};
-  const double level = search_level(task->evaluation, *policy, search_limit(task->injections.back().site));
+  const double limit = search_limit(task->injections.back(), study.setup.plant->spec());
+  const double level = search_level(task->evaluation, *policy, limit);
   TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
   writer.write(kLevelFile, cat(level));
   writer.commit(trial.canonical);
@@ -239,28 +238,16 @@ void measure(const Study& study, Episode episode, std::span<double> metrics) {
 }
 
 std::unique_ptr<Policy> trial_policy(const Study& study, const Plan& plan, const Trial& trial, const Store& store) {
-  const StudyPolicy& policy = study.policies[trial.policy];
-  switch (policy.kind) {
-    case StudyPolicy::Kind::kLqr:
-      return lqr_policy(*study.setup.plant, policy.weights);
-    case StudyPolicy::Kind::kPd:
-      return cascade_policy(*study.setup.plant, *study.setup.plant->spec().cascade);
-    case StudyPolicy::Kind::kZero:
-      return zero_policy(study.setup.plant->spec().observations(), study.setup.plant->spec().action.size());
-    case StudyPolicy::Kind::kOnnx: {
-      const StudyPolicy::File& file = policy.files[trial.member];
-      return onnx_policy(
-          file.bytes, file.path, study.setup,
-          {.alpha = policy.alpha, .output = policy.output, .data = &file.data, .interface = policy.interface});
-    }
-    default:
-      break;
+  PolicyMember member{trial.member};
+  if (!trial.inputs.empty()) {
+    const Trial& training = plan.trials[trial.inputs.front()];
+    const std::optional<StoredTrial> stored = load_trial(plan, training, store);
+    if (!stored || !stored->contains(kPolicyFile))
+      throw Error(cat("the policy of '", training.what, "' is not in the store"));
+    member.training = training.id;
+    member.network = stored->read(kPolicyFile);
   }
-  const Trial& training = plan.trials[trial.inputs.front()];
-  const std::optional<StoredTrial> stored = load_trial(plan, training, store);
-  if (!stored || !stored->contains(kPolicyFile))
-    throw Error(cat("the policy of '", training.what, "' is not in the store"));
-  return onnx_policy(stored->read(kPolicyFile), training.id, study.setup, {.alpha = policy.alpha});
+  return study.policies[trial.policy].source->make(study.setup, member);
 }
 
 std::optional<std::string> training_failure(const Plan& plan, const Trial& trial, const Store& store) {

@@ -1,11 +1,9 @@
-#include "gust/study/trials/policies.h"
+#include "gust/study/policies/file_policy.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "gust/control/cascade.h"
 #include "gust/control/closed_loop.h"
-#include "gust/control/lqr.h"
 #include "gust/core/text.h"
 
 namespace gust {
@@ -97,17 +95,8 @@ std::string assumed_unit(Policy& policy, const Setup& setup) {
 
 }  // namespace
 
-std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place) {
-  const PlantSpec& spec = setup.plant->spec();
-  if (kind == "zero") return zero_policy(spec.observations(), spec.action.size());
-  if (kind == "lqr") return lqr_policy(*setup.plant, reward_weights(spec));
-  if (kind == "pd" && spec.cascade) return cascade_policy(*setup.plant, *spec.cascade);
-  if (kind == "pd") {
-    throw error_at(place, "the plant ", setup.plant.kind, " has no policy 'pd'; try lqr or zero");
-  }
-  const std::vector<std::string> names = {"lqr", "zero", "pd"};
-  throw error_at(place, "unknown policy '", kind, "'", did_you_mean(kind, names),
-                 "; policies are lqr, pd, zero, or a file", " that ends in .onnx");
+std::string level_text(const std::optional<double>& alpha) {
+  return alpha ? cat("alpha ", canonical_text(*alpha), "\n") : std::string();
 }
 
 FilePolicy file_policy(std::string_view bytes, std::string_view name, const Setup& setup, const PolicyUse& use) {

@@ -1,4 +1,4 @@
-#include "gust/study/trials/policies.h"
+#include "gust/study/policies/file_policy.h"
 
 #include <doctest/doctest.h>
 
@@ -147,19 +147,6 @@ TEST_CASE("a unit that nobody says is told under normalised actions, with what s
   CHECK(said.unit_warning.empty());
   CHECK(strong.unit_warning.find("; of 100 actions at random starts ") != std::string::npos);
   CHECK(strong.unit_warning.find("lie beyond -1 to 1") != std::string::npos);
-}
-
-TEST_CASE("policies without a file are known by their names") {
-  const Setup setup = cartpole();
-
-  CHECK(make_policy("zero", setup)->actions() == 1);
-  CHECK(make_policy("lqr", setup)->observations() == 4);
-  CHECK_THROWS_WITH_AS(make_policy("pd", setup), "gust: the plant cartpole has no policy 'pd'; try lqr or zero", Error);
-  CHECK_THROWS_WITH_AS(
-      make_policy("lqrr", setup),
-      "gust: unknown policy 'lqrr'; did you mean 'lqr'?; policies are lqr, pd, zero, or a file that ends "
-      "in .onnx",
-      Error);
 }
 
 }  // namespace

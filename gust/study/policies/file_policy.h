@@ -7,13 +7,15 @@
 
 #include "gust/control/policy_interface.h"
 #include "gust/setup/setup.h"
-#include "gust/study/trials/network_policy.h"
+#include "gust/study/policies/network_policy.h"
 
 namespace gust {
 
-/// The policies that need no file: lqr (weights of the plant's reward), zero, pd. An Error at the place for a name that
-/// is none, and for a plant that has no such policy.
-std::unique_ptr<Policy> make_policy(std::string_view kind, const Setup& setup, const Place& place = {"gust"});
+/// Risk levels that a policy may be told to act at.
+inline constexpr Range kLevels{.low = 0, .high = 1, .low_open = true};
+
+/// "alpha 0.1\n", a part of canonical text: the risk level to act at; empty if it is the policy's own.
+std::string level_text(const std::optional<double>& alpha);
 
 /// How a file's policy is used.
 struct PolicyUse {

@@ -1,4 +1,4 @@
-#include "gust/study/trials/network_policy.h"
+#include "gust/study/policies/network_policy.h"
 
 #include <algorithm>
 #include <vector>
