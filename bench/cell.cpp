@@ -1,6 +1,7 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/peak.h"
+#include "gust/control/plant_loops.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
 #include "gust/nn/initialise.h"
@@ -21,8 +22,9 @@ void cell(benchmark::State& state, double physics_rate) {
   injections.push_back(read_injection(
       Table{{{"site", {std::string("dynamics"), place}}, {"waveform", {std::string("white"), place}}}, place},
       plant->spec()));
+  const PlantLoops loops(plant.object, {});
   Evaluation evaluation;
-  evaluation.plant = plant.object.get();
+  evaluation.source = &loops;
   evaluation.injections = injections;
   evaluation.cells = {{{0.2}, nominal_parameters(plant->spec())}};
   evaluation.starts = {random_starts()};

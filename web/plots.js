@@ -35,7 +35,7 @@ function pushGroup(episode, site, title) {
 function episodeGroups(episode, rates) {
   const rate = episode.rate;
   const groups = episode.states.filter((trace) => rates || !isRate(trace.name)).map((trace) =>
-    group(axisTitle(trace.name, trace.unit), [...referenceOf(episode, trace), {...trace, colour: '--ink'}], rate));
+    group(axisTitle(episode.observed ? `${trace.name} observed` : trace.name, trace.unit), [...referenceOf(episode, trace), {...trace, colour: '--ink'}], rate));
   const actions = episode.applied.flatMap((trace, i) => [
     ...(episode.commanded[i] ? [{...episode.commanded[i], name: `${trace.name} commanded`, colour: '--commanded', dash: i === 0 ? [4, 2] : [1, 2]}] : []),
     {...trace, name: `${trace.name} applied`, colour: '--applied', dash: i === 0 ? [] : [6, 2]},

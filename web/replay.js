@@ -228,7 +228,7 @@ class Replay {
     this.badge.className = failed ? 'badge failed' : 'badge';
     const text = failed ? `Failed at ${(episode.failed / episode.rate).toFixed(2)} s${episode.failure ? `: ${episode.failure}` : ''}`
       : step >= this.player.steps ? (episode.ground ? 'Came down to the ground: from there its motion is an approximation'
-        : episode.plant === 'cartpole' ? 'Still standing at the end' : 'Within its bounds to the end') : '';
+        : episode.plant === 'cartpole' ? 'Still standing at the end' : episode.observed ? 'Lasted to the end' : 'Within its bounds to the end') : '';
     if (this.badge.textContent !== text) this.badge.textContent = text;
   }
 

@@ -19,7 +19,7 @@ struct TrainingTask {
   Readings readings;
   std::span<const Injection> injections;           ///< on during training, each at its own level
   std::int64_t seed = 0;                           ///< of every random stream of the training
-  std::span<const ParameterDraw> randomised = {};  ///< parameters that every episode of the training draws anew
+  std::span<const ParameterDraw> randomised = {};  ///< parameters that are sampled for every episode of the training
   bool curve_as_trained = false;                   ///< the learning curve's episodes are drawn and disturbed, too
 };
 
@@ -61,7 +61,7 @@ class Training {
  public:
   virtual ~Training() = default;
 
-  /// Does one iteration. Numbers that are none end the training with a failure, they do not throw.
+  /// Does one iteration. NaN and infinities end the training with a failure, they do not throw.
   virtual void advance() = 0;
   virtual bool done() const = 0;
   virtual std::int64_t steps() const = 0;        ///< environment steps done
@@ -97,7 +97,7 @@ class Agent {
   virtual double work() const = 0;
   /// Whether it disturbs its own training.
   virtual bool disturbs() const { return false; }
-  /// Bytes that grow during a training of this plant, at their most: a memory of transitions.
+  /// Bytes that grow during a training of this plant, at their most: a replay buffer.
   virtual std::uint64_t memory(const PlantSpec&) const { return 0; }
   /// Throws Error at the place if it cannot train on such a plant.
   virtual void check(const PlantSpec& /*spec*/, const Place& /*place*/) const {}

@@ -15,7 +15,7 @@ struct Judgement {
 };
 
 /// A minibatch whose next actions were drawn from the present policy.
-struct Lesson {
+struct UpdateBatch {
   const Minibatch& batch;                   ///< taken, next_acted, reward, alive
   std::span<const float> next_log_density;  ///< of the next actions
   double temperature = 0;                   ///< the weight of the entropy that is part of what follows
@@ -32,8 +32,8 @@ class Critic {
   virtual void judge(const Tiles<float>& input, Rng rng, Judgement judgement) = 0;
 
   /// One gradient step of every critic towards reward + discount alive (what follows - temperature log density), and
-  /// one of their slow copies towards them. Returns the loss.
-  virtual double learn(const Lesson& lesson) = 0;
+  /// one of their target networks towards them. Returns the loss.
+  virtual double update(const UpdateBatch& update) = 0;
 
   virtual bool finite() const = 0;
   virtual void save(Saver& saver) const = 0;

@@ -12,7 +12,7 @@ namespace {
 TrainedMlp<float> make_critic(const WcpgOptions& options, const TransitionShape& shape, Rng rng) {
   TrainedMlp<float> critic(off_policy_shape(options, shape.observations + shape.actions + shape.extras, 2),
                            static_cast<std::size_t>(options.batch),
-                           {.first = shape.observations, .count = shape.actions}, TrainedMlp<float>::Follower::kYes);
+                           {.first = shape.observations, .count = shape.actions}, TrainedMlp<float>::Target::kYes);
   initialise_uniform(critic.mlp(), rng);
   critic.start();
   return critic;
@@ -65,27 +65,27 @@ void GaussianCritic::judge(const Tiles<float>& input, Rng, Judgement judgement) 
 }
 
 /// What the critics shall learn from: rewards, and the law of what follows.
-void GaussianCritic::aim(const Lesson& lesson) {
-  const Tiles<float>& input = lesson.batch.next_acted;
-  const Tiles<float>& first = critics_[0].forward_follower(input);
-  const Tiles<float>& second = critics_[1].forward_follower(input);
+void GaussianCritic::set_targets(const UpdateBatch& update) {
+  const Tiles<float>& input = update.batch.next_acted;
+  const Tiles<float>& first = critics_[0].forward_target(input);
+  const Tiles<float>& second = critics_[1].forward_target(input);
   for (std::size_t lane = 0; lane < samples_.size(); ++lane) {
     const double c = coefficient(input, lane);
     const ReturnLaw one = law_of(first, lane);
     const ReturnLaw other = law_of(second, lane);
-    samples_[lane] = {.reward = lesson.batch.reward[lane],
-                      .follows = lesson.batch.alive[lane],
-                      .entropy_cost = lesson.temperature * lesson.next_log_density[lane],
+    samples_[lane] = {.reward = update.batch.reward[lane],
+                      .follows = update.batch.alive[lane],
+                      .entropy_cost = update.temperature * update.next_log_density[lane],
                       .next = one.cvar(c) <= other.cvar(c) ? one : other};
   }
 }
 
-double GaussianCritic::learn(const Lesson& lesson) {
-  aim(lesson);
+double GaussianCritic::update(const UpdateBatch& update) {
+  set_targets(update);
   const double share = 1.0 / static_cast<double>(samples_.size());
   double loss = 0.0;
   for (std::size_t critic = 0; critic < critics_.size(); ++critic) {
-    const Tiles<float>& outputs = critics_[critic].forward(lesson.batch.taken);
+    const Tiles<float>& outputs = critics_[critic].forward(update.batch.taken);
     for (std::size_t lane = 0; lane < samples_.size(); ++lane) {
       const ReturnLaw law = law_of(outputs, lane);
       const ReturnTarget target = return_target(loss_, samples_[lane], law.mean);

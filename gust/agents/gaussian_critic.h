@@ -10,13 +10,13 @@ namespace gust {
 
 /// The two critics of WCPG (docs/algorithms.md 4): each says that returns are N(Q, s^2), and a state with an action is
 /// worth the lesser of their conditional values at risk Q - c(alpha) s, alpha being the last input. Targets take mean
-/// and variance of the slow copy whose value is lesser.
+/// and variance of the target network whose value is lesser.
 class GaussianCritic final : public Critic {
  public:
   GaussianCritic(const WcpgOptions& options, const TransitionShape& shape, Rng rng);
 
   void judge(const Tiles<float>& input, Rng rng, Judgement judgement) override;
-  double learn(const Lesson& lesson) override;
+  double update(const UpdateBatch& update) override;
   bool finite() const override;
   void save(Saver& saver) const override;
   void load(Loader& loader) override;
@@ -26,7 +26,7 @@ class GaussianCritic final : public Critic {
 
  private:
   double coefficient(const Tiles<float>& input, std::size_t lane) const;
-  void aim(const Lesson& lesson);
+  void set_targets(const UpdateBatch& update);
 
   ReturnLossOptions loss_;
   CvarForm form_;

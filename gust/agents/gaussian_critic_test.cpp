@@ -65,7 +65,7 @@ struct Chain {
         batch.alive[lane] = length == 0 || state + 1 < length ? 1.0f : 0.0f;
         batch.reward[lane] = static_cast<float>(1.0 + spread * rng.normal(lane));
       }
-      critic.learn({batch, density, 0.0, rng});
+      critic.update({batch, density, 0.0, rng});
     }
   }
   float at(std::size_t state) const { return length == 0 ? 1.0f : static_cast<float>(state) / 5.0f - 1.0f; }

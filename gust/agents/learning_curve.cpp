@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "gust/agents/lanes.h"
+#include "gust/control/closed_loop.h"
 #include "gust/control/episode.h"
 
 namespace gust {
@@ -10,32 +11,47 @@ namespace {
 
 constexpr std::size_t kEpisodes = 10;
 
+/// An actor as it is in training: its networks compute in float.
+class ActorPolicy final : public Policy {
+ public:
+  ActorPolicy(const ActorNetwork& actor, const Interface& spec)
+      : runner_(actor, kEpisodes), observation_(kEpisodes * spec.observations()), actions_(spec.action.size()) {}
+
+  std::size_t observations() const override { return observation_.size() / kEpisodes; }
+  std::size_t actions() const override { return actions_; }
+  void act(Rows<const double> observation, std::span<const std::int64_t>, Rows<double> action) override {
+    to_lanes(observation, observation_);
+    to_rows(runner_.act(observation_), action);
+  }
+
+ private:
+  ActorRunner runner_;
+  Buffer<float> observation_;
+  std::size_t actions_;
+};
+
 }  // namespace
 
 CurvePoint measure_actor(const TrainingTask& task, const ActorNetwork& actor, Rng rng) {
   const PlantSpec& spec = task.plant->spec();
-  ActorRunner runner(actor, kEpisodes);
-  Buffer<float> observation(kEpisodes * spec.observations());
   const std::span<const Injection> injections = task.curve_as_trained ? task.injections : std::span<const Injection>();
   const auto randomised = task.curve_as_trained ? task.randomised : std::span<const ParameterDraw>();
   std::vector<double> levels;
   for (const Injection& injection : injections) levels.push_back(injection.level);
-  ClosedLoop loop(*task.plant, task.readings, injections, kEpisodes);
-  EpisodeMeter meter(spec, kEpisodes);
-  Matrix<double> action(spec.action.size(), kEpisodes);
+  std::vector<EpisodeStart> starts;
   for (std::size_t lane = 0; lane < kEpisodes; ++lane) {
     const Rng episode = rng.split(lane);
-    loop.begin(lane, {.state = random_start(spec, episode),
+    starts.push_back({.state = random_start(spec, episode),
                       .parameters = draw_parameters(randomised, spec, episode),
                       .levels = levels,
                       .signals = SignalSequence(injections, spec, levels, episode).at(0)});
   }
-  for (std::int64_t k = 0; k < spec.steps; ++k) {
-    to_lanes(loop.observation(), observation);
-    to_rows(runner.act(observation), action.view());
-    loop.step(action.view());
-    meter.record(loop);
-  }
+  ClosedLoop loop(*task.plant, task.readings, injections, kEpisodes);
+  ActorPolicy policy(actor, spec);
+  EpisodeMeter meter(spec, kEpisodes);
+  run_episodes(loop, policy, starts, [&](std::int64_t steps) {
+    if (steps > 0) meter.record(loop.record());
+  });
 
   CurvePoint point;
   double squares = 0.0;

@@ -7,8 +7,8 @@
 
 namespace gust {
 
-/// Transitions drawn from the memory, as the networks take them. What a transition carries besides (a risk level) is
-/// the last input of actor and critics alike, and the same before and after the step.
+/// Transitions sampled from the replay buffer, as the networks take them. What a transition carries besides (a risk
+/// level) is the last input of actor and critics alike, and the same before and after the step.
 struct Minibatch {
   Minibatch(const TransitionShape& transition, std::size_t lanes);
 

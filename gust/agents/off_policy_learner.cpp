@@ -42,7 +42,7 @@ void OffPolicyLearner::improve_actor(Rng rng) {
 /// One step of the critics. What follows a transition is what the present actor would do.
 void OffPolicyLearner::teach_critics(Rng rng) {
   actor_.propose(batch_.next, rng.split("next"), batch_.shape.observations, batch_.next_acted);
-  critic_->learn({batch_, actor_.log_density().first(batch_.lanes()), temperature_.value(), rng.split("learn")});
+  critic_->update({batch_, actor_.log_density().first(batch_.lanes()), temperature_.value(), rng.split("learn")});
 }
 
 void OffPolicyLearner::save(Saver& saver) const {

@@ -4,7 +4,7 @@
 
 namespace gust {
 
-/// What all agents that learn from a memory of transitions share: soft actor-critic (Haarnoja et al. 2018), and what is
+/// What all agents that learn from a replay buffer share: soft actor-critic (Haarnoja et al. 2018), and what is
 /// built on it. The defaults are those of safe-control-gym (docs/algorithms.md 2.1).
 struct OffPolicyOptions {
   std::int64_t steps = 1'000'000;
@@ -47,7 +47,7 @@ struct OffPolicyOptions {
             "updates an environment step after the warm-up; a fraction is kept and owed", between(0, 1000)),
       field("burst", &OffPolicyOptions::burst, "updates done together, as soon as so many are owed",
             between(1, 1'000'000)),
-      field("polyak", &OffPolicyOptions::polyak, "share by which the critics' slow copies follow them, each update",
+      field("polyak", &OffPolicyOptions::polyak, "share by which the target networks follow the critics, each update",
             Range{.low = 0, .high = 1, .low_open = true}),
       field("temperature", &OffPolicyOptions::temperature,
             "weight of the entropy against the reward; where it is automatic, its first value", positive),

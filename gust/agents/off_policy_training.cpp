@@ -52,7 +52,7 @@ void OffPolicyTraining::advance() {
   for (int k = 0; k < kMostSteps && !done() && owed_ < static_cast<double>(setup_.options.burst); ++k) step();
   pay_updates();
   if (!learner_.finite()) {
-    failure_ = cat("the networks' parameters are no finite numbers after ", steps_, " steps");
+    failure_ = cat("the networks' parameters are not finite after ", steps_, " steps");
     return;
   }
   curve_.follow(*this, steps_, done());

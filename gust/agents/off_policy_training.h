@@ -26,7 +26,7 @@ struct OffPolicySetup {
 };
 
 /// A training from memory, the same for all such agents (docs/algorithms.md 2.1): environments stepped together, a
-/// warm-up of random actions, every transition kept, updates owed and done in bursts, a learning curve, checkpoints.
+/// warm-up of random actions, every transition kept, pending updates done in bursts, a learning curve, checkpoints.
 class OffPolicyTraining final : public Training {
  public:
   OffPolicyTraining(OffPolicySetup setup, const TrainingTask& task);

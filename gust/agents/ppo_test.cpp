@@ -143,7 +143,7 @@ TEST_CASE("the learning curve disturbs no other stream") {
   CHECK(equal_actors(*a, *b));
 }
 
-TEST_CASE("a training whose numbers are none ends with a reason") {
+TEST_CASE("a training whose numbers are not finite ends with a reason") {
   const auto plant = cartpole();
   const auto training =
       ppo({{"steps", integer(40'000)}, {"critic_rate", number(1e30)}})->start({plant.object.get(), {}, {}, 1});

@@ -53,9 +53,9 @@ void PpoTraining::advance() {
 
 void PpoTraining::learn(PpoLearner& learner, Rollout& rollout, double progress) {
   learner.assess(rollout);
-  if (!all_finite(rollout.value_target) || !all_finite(rollout.advantage)) return fail("returns are no finite numbers");
+  if (!all_finite(rollout.value_target) || !all_finite(rollout.advantage)) return fail("returns are not finite");
   learner.update(rollout, progress);
-  if (!learner.finite()) fail("the network's parameters are no finite numbers");
+  if (!learner.finite()) fail("the network's parameters are not finite");
 }
 
 ActorNetwork PpoTraining::as_seen(const Mlp<float>& mlp) const {

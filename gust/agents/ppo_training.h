@@ -7,7 +7,7 @@
 namespace gust {
 
 /// What PPO and its adversarial relatives share: a protagonist that learns from rollouts, its learning curve, the state
-/// as bytes, and an end where numbers are none.
+/// as bytes, and an end where numbers are not finite.
 class PpoTraining : public Training {
  public:
   void advance() final;

@@ -26,7 +26,7 @@ QuantileRoom room_of(const RaacOptions& options, std::int64_t fractions) {
 
 TrainedQuantiles::TrainedQuantiles(const QuantileShape& shape, Rng rng) : network(shape) {
   initialise_uniform(network, rng);
-  follower = network;
+  target = network;
   for (std::size_t part = 0; part < adam.size(); ++part)
     adam[part] = AdamState<float>(network.parameters()[part].size());
 }
@@ -36,7 +36,7 @@ void TrainedQuantiles::step(const AdamOptions& options, const QuantileNetwork<fl
     const AdamStep<float> step(options, adam[part]);
     adam_move<float>(step,
                      {network.parameters()[part], gradient.parameters()[part], adam[part].first, adam[part].second},
-                     {follower.parameters()[part], share});
+                     {target.parameters()[part], share});
   }
 }
 
@@ -50,7 +50,7 @@ template <class Archive, class Self>
 void TrainedQuantiles::archive(Archive& archive, Self& self) {
   for (std::size_t part = 0; part < self.adam.size(); ++part) {
     archive.block(self.network.parameters()[part]);
-    archive.block(self.follower.parameters()[part]);
+    archive.block(self.target.parameters()[part]);
     archive.block(std::span(self.adam[part].first));
     archive.block(std::span(self.adam[part].second));
     archive.number(self.adam[part].beta1_power);
@@ -73,8 +73,8 @@ QuantileCritic::QuantileCritic(const RaacOptions& options, const TransitionShape
     : options_(options),
       adam_{.rate = options.critic_rate, .epsilon = options.adam_epsilon},
       gradient_(shape_of(options, shape)),
-      learning_(shape_of(options, shape), room_of(options, options.fractions), 0, 0),
-      aiming_(shape_of(options, shape), room_of(options, options.target_fractions), 0, 0),
+      update_runner_(shape_of(options, shape), room_of(options, options.fractions), 0, 0),
+      target_runner_(shape_of(options, shape), room_of(options, options.target_fractions), 0, 0),
       at_judged_(static_cast<std::size_t>(options.batch), static_cast<std::size_t>(options.actor_fractions)),
       at_learned_(at_judged_.lanes(), static_cast<std::size_t>(options.fractions)),
       targets_(at_judged_.lanes(), static_cast<std::size_t>(options.target_fractions)) {
@@ -117,11 +117,11 @@ void QuantileCritic::judge(const Tiles<float>& input, Rng rng, Judgement judgeme
 }
 
 /// Draws of the returns that the critics should have; in double, for they may be a hundred times the rewards.
-void QuantileCritic::aim(const Lesson& lesson) {
-  aiming_.fractions.draw(lesson.rng.split("targets"), 1.0, false);
+void QuantileCritic::set_targets(const UpdateBatch& update) {
+  target_runner_.fractions.draw(update.rng.split("targets"), 1.0, false);
   for (std::size_t critic = 0; critic < critics_.size(); ++critic) {
     const Tiles<float>& next =
-        aiming_.run.forward(critics_[critic].follower, lesson.batch.next_acted, aiming_.fractions.view());
+        target_runner_.run.forward(critics_[critic].target, update.batch.next_acted, target_runner_.fractions.view());
     for (std::size_t tile = 0; tile < next.count(); ++tile) {
       const std::span<float> to = targets_.tile(tile);
       critic == 0 ? void(std::ranges::copy(next.tile(tile), to.begin()))
@@ -130,22 +130,22 @@ void QuantileCritic::aim(const Lesson& lesson) {
     }
   }
   for (std::size_t lane = 0; lane < targets_.lanes(); ++lane) {
-    const double cost = lesson.temperature * lesson.next_log_density[lane];
-    const double weight = options_.discount * lesson.batch.alive[lane];
+    const double cost = update.temperature * update.next_log_density[lane];
+    const double weight = options_.discount * update.batch.alive[lane];
     for (std::size_t j = 0; j < targets_.features(); ++j)
-      targets_.at(lane, j) = static_cast<float>(lesson.batch.reward[lane] + weight * (targets_.at(lane, j) - cost));
+      targets_.at(lane, j) = static_cast<float>(update.batch.reward[lane] + weight * (targets_.at(lane, j) - cost));
   }
 }
 
-double QuantileCritic::learn(const Lesson& lesson) {
-  aim(lesson);
-  learning_.fractions.draw(lesson.rng.split("fractions"), 1.0, false);
-  const Fractions<float> fractions = learning_.fractions.view();
+double QuantileCritic::update(const UpdateBatch& update) {
+  set_targets(update);
+  update_runner_.fractions.draw(update.rng.split("fractions"), 1.0, false);
+  const Fractions<float> fractions = update_runner_.fractions.view();
   double loss = 0.0;
   for (TrainedQuantiles& critic : critics_) {
-    const Tiles<float>& quantiles = learning_.run.forward(critic.network, lesson.batch.taken, fractions);
+    const Tiles<float>& quantiles = update_runner_.run.forward(critic.network, update.batch.taken, fractions);
     loss += quantile_loss<float>({quantiles, fractions, targets_}, options_.kappa, at_learned_);
-    learning_.run.backward(critic.network, at_learned_, gradient_);
+    update_runner_.run.backward(critic.network, at_learned_, gradient_);
     critic.step(adam_, gradient_, static_cast<float>(options_.polyak));
   }
   return loss;

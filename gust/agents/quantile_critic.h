@@ -9,7 +9,7 @@
 
 namespace gust {
 
-/// A quantile network with its optimiser and the slow copy that follows it.
+/// A quantile network with its optimiser and the target network that follows it.
 struct TrainedQuantiles {
   TrainedQuantiles(const QuantileShape& shape, Rng rng);
 
@@ -21,7 +21,7 @@ struct TrainedQuantiles {
   static void archive(Archive& archive, Self& self);
 
   QuantileNetwork<float> network;
-  QuantileNetwork<float> follower;
+  QuantileNetwork<float> target;
   std::array<AdamState<float>, 3> adam;  ///< of the network's parts
 };
 
@@ -29,13 +29,13 @@ struct TrainedQuantiles {
 /// worth the mean of the lowest, at fractions drawn from U(0, alpha); of two critics, the lesser. They learn by the
 /// quantile Huber loss
 ///
-///   y_j = reward + discount alive (min over the slow copies of Z'(s', a'; tau'_j) - temperature log pi(a'|s'))
+///   y_j = reward + discount alive (min over the target networks of Z'(s', a'; tau'_j) - temperature log pi(a'|s'))
 class QuantileCritic final : public Critic {
  public:
   QuantileCritic(const RaacOptions& options, const TransitionShape& shape, Rng rng);
 
   void judge(const Tiles<float>& input, Rng rng, Judgement judgement) override;
-  double learn(const Lesson& lesson) override;
+  double update(const UpdateBatch& update) override;
   bool finite() const override;
   void save(Saver& saver) const override;
   void load(Loader& loader) override;
@@ -62,15 +62,15 @@ class QuantileCritic final : public Critic {
     DrawnFractions fractions;
   };
 
-  void aim(const Lesson& lesson);
+  void set_targets(const UpdateBatch& update);
 
   RaacOptions options_;
   AdamOptions adam_;
   std::vector<TrainedQuantiles> critics_;
   QuantileNetwork<float> gradient_;
   std::vector<Runner> judging_;  // one a critic, for both ways back follow both ways forth
-  Runner learning_;
-  Runner aiming_;
+  Runner update_runner_;
+  Runner target_runner_;
   Tiles<float> at_judged_;
   Tiles<float> at_learned_;
   Tiles<float> targets_;

@@ -45,7 +45,7 @@ struct LearnedLaw {
       const Rng rng = Rng(8).split(updates);
       for (std::size_t lane = 0; lane < batch.lanes(); ++lane)
         batch.reward[lane] = static_cast<float>(reward(rng, lane));
-      critic.learn({batch, density, 0.0, rng});
+      critic.update({batch, density, 0.0, rng});
     }
   }
 

@@ -56,7 +56,7 @@ TEST_CASE("8.7.6 at level 1 the score on the cart-pole is soft actor-critic's") 
   CHECK(std::abs(sac.mean - raac.mean) <= sac.reach + raac.reach);
 }
 
-TEST_CASE("RAAC learns to hold the pole up") {
+TEST_CASE("RAAC learns to keep the pole upright") {
   const auto plant = cartpole();
   const auto training =
       raac({{"steps", integer(20'000)}, {"kappa", number(0.05)}})->start({plant.object.get(), {}, {}, 1});
@@ -88,7 +88,7 @@ TEST_CASE("RAAC that is saved and loaded goes on to the same bits, in all its fo
   }
 }
 
-TEST_CASE("RAAC whose numbers are none ends with a reason") {
+TEST_CASE("RAAC whose numbers are not finite ends with a reason") {
   const auto plant = cartpole();
   const auto training =
       raac({{"steps", integer(40'000)}, {"critic_rate", number(1e30)}})->start({plant.object.get(), {}, {}, 1});

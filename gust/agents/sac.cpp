@@ -27,7 +27,7 @@ class Sac final : public Agent {
 
 Entry<Agent> agent_sac() {
   return make_entry<Agent, OffPolicyOptions>(
-      "sac", "Soft actor-critic: a squashed Gaussian actor and twin critics that learn from a memory of transitions.",
+      "sac", "Soft actor-critic: a squashed Gaussian actor and twin critics that learn from a replay buffer.",
       "Haarnoja et al. 2018; safe-control-gym's SAC (docs/algorithms.md 2)",
       [](const OffPolicyOptions& options) { return std::make_unique<Sac>(options); });
 }

@@ -25,7 +25,7 @@ Made<Agent> sac(Options options, std::int64_t hidden = 32) {
 
 }  // namespace
 
-TEST_CASE("soft actor-critic learns to hold the pole up, in newtons and in normalised actions") {
+TEST_CASE("soft actor-critic learns to keep the pole upright, in newtons and in normalised actions") {
   for (const bool normalised : {false, true}) {
     const auto plant = cartpole(normalised);
     const auto training = sac({{"steps", integer(12'000)}}, 64)->start({plant.object.get(), {}, {}, 1});
@@ -56,7 +56,7 @@ TEST_CASE("equal seeds train equal actors, other seeds and the other order other
   CHECK(actors[0] != actors[3]);
 }
 
-TEST_CASE("a soft actor-critic whose numbers are none ends with a reason") {
+TEST_CASE("a soft actor-critic whose numbers are not finite ends with a reason") {
   const auto plant = cartpole(true);
   const auto training =
       sac({{"steps", integer(40'000)}, {"critic_rate", number(1e30)}})->start({plant.object.get(), {}, {}, 1});

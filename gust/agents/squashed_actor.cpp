@@ -49,7 +49,7 @@ SquashedActor::SquashedActor(const OffPolicyOptions& options, std::size_t inputs
       density_of_tanh_(options.density == "tanh"),
       rng_(rng),
       network_(actor_shape(options, inputs, box_.centre.size()), static_cast<std::size_t>(options.batch), {},
-               TrainedMlp<float>::Follower::kNo),
+               TrainedMlp<float>::Target::kNo),
       stepping_(network_.mlp().shape(), static_cast<std::size_t>(options.environments)) {
   const auto lanes = static_cast<std::size_t>(options.batch);
   noise_ = Tiles<float>(lanes, actions());

@@ -11,7 +11,7 @@ namespace {
 TrainedMlp<float> make_critic(const OffPolicyOptions& options, const TransitionShape& shape, Rng rng) {
   TrainedMlp<float> critic(off_policy_shape(options, shape.observations + shape.actions + shape.extras, 1),
                            static_cast<std::size_t>(options.batch),
-                           {.first = shape.observations, .count = shape.actions}, TrainedMlp<float>::Follower::kYes);
+                           {.first = shape.observations, .count = shape.actions}, TrainedMlp<float>::Target::kYes);
   initialise_uniform(critic.mlp(), rng);
   critic.start();
   return critic;
@@ -47,22 +47,22 @@ void TwinCritic::judge(const Tiles<float>& input, Rng, Judgement judgement) {
 }
 
 /// The targets of a minibatch; in double, for they may be a hundred times the rewards.
-void TwinCritic::aim(const Lesson& lesson) {
-  const Tiles<float>& first = critics_[0].forward_follower(lesson.batch.next_acted);
-  const Tiles<float>& second = critics_[1].forward_follower(lesson.batch.next_acted);
+void TwinCritic::set_targets(const UpdateBatch& update) {
+  const Tiles<float>& first = critics_[0].forward_target(update.batch.next_acted);
+  const Tiles<float>& second = critics_[1].forward_target(update.batch.next_acted);
   for (std::size_t lane = 0; lane < target_.size(); ++lane) {
     const double follows =
-        std::min(first.at(lane, 0), second.at(lane, 0)) - lesson.temperature * lesson.next_log_density[lane];
-    target_[lane] = static_cast<float>(lesson.batch.reward[lane] + discount_ * lesson.batch.alive[lane] * follows);
+        std::min(first.at(lane, 0), second.at(lane, 0)) - update.temperature * update.next_log_density[lane];
+    target_[lane] = static_cast<float>(update.batch.reward[lane] + discount_ * update.batch.alive[lane] * follows);
   }
 }
 
-double TwinCritic::learn(const Lesson& lesson) {
-  aim(lesson);
+double TwinCritic::update(const UpdateBatch& update) {
+  set_targets(update);
   const auto lanes = static_cast<float>(target_.size());
   double loss = 0.0;
   for (std::size_t critic = 0; critic < critics_.size(); ++critic) {
-    const Tiles<float>& value = critics_[critic].forward(lesson.batch.taken);
+    const Tiles<float>& value = critics_[critic].forward(update.batch.taken);
     for (std::size_t lane = 0; lane < target_.size(); ++lane) {
       const float error = value.at(lane, 0) - target_[lane];
       at_value_[critic].at(lane, 0) = 2.0f * error / lanes;

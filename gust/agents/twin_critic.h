@@ -11,13 +11,13 @@ namespace gust {
 /// The two critics of soft actor-critic (docs/algorithms.md 2.2): the value of an action is the lesser of theirs. Both
 /// learn, by the mean squared error, the target
 ///
-///   y = reward + discount alive (min over the slow copies of Q'(s', a') - temperature log pi(a'|s'))
+///   y = reward + discount alive (min over the target networks of Q'(s', a') - temperature log pi(a'|s'))
 class TwinCritic final : public Critic {
  public:
   TwinCritic(const OffPolicyOptions& options, const TransitionShape& shape, Rng rng);
 
   void judge(const Tiles<float>& input, Rng rng, Judgement judgement) override;
-  double learn(const Lesson& lesson) override;
+  double update(const UpdateBatch& update) override;
   bool finite() const override;
   void save(Saver& saver) const override;
   void load(Loader& loader) override;
@@ -26,7 +26,7 @@ class TwinCritic final : public Critic {
   const Tiles<float>& values(std::size_t critic, const Tiles<float>& input) { return critics_[critic].forward(input); }
 
  private:
-  void aim(const Lesson& lesson);
+  void set_targets(const UpdateBatch& update);
 
   double discount_;
   float polyak_;

@@ -68,7 +68,7 @@ TEST_CASE("critics learn the soft target, and their copies follow by the share")
   TwinCritic critic(small(), kShape, Rng(1));
   const Minibatch batch = drawn_batch();
   const std::vector<float> density(kLanes, -2.0f);
-  const Lesson lesson{batch, density, 0.5, Rng(0)};
+  const UpdateBatch update{batch, density, 0.5, Rng(0)};
   const auto next_first = values(critic, 0, batch.next_acted), next_second = values(critic, 1, batch.next_acted);
   double expected = 0.0;
   for (std::size_t which = 0; which < 2; ++which) {
@@ -80,9 +80,9 @@ TEST_CASE("critics learn the soft target, and their copies follow by the share")
     }
   }
 
-  const double first_loss = critic.learn(lesson);
+  const double first_loss = critic.update(update);
   double last_loss = 0.0;
-  for (int step = 0; step < 300; ++step) last_loss = critic.learn(lesson);
+  for (int step = 0; step < 300; ++step) last_loss = critic.update(update);
 
   CHECK(first_loss == doctest::Approx(expected).epsilon(1e-5));
   CHECK(last_loss < 0.5 * first_loss);

@@ -30,7 +30,7 @@ struct WcpgOptions : OffPolicyOptions {
                 "level at which the finished policy acts, unless it is told another; alpha_min where that is fixed",
                 kLevel),
           field("alpha_relabel", &WcpgOptions::alpha_relabel,
-                "draw a transition's level anew whenever it is learned from; plants do not know it"),
+                "sample a transition's level again whenever it is learned from; plants do not know it"),
           field("cvar_coef", &WcpgOptions::cvar_coef,
                 "correct: phi(z) / alpha at the quantile z; literal: phi(alpha) / Phi(alpha), as printed",
                 one_of("correct|literal")),

@@ -58,7 +58,7 @@ TEST_CASE("8.6.7 a risk level holds for an episode, is uniform over episodes, an
   CHECK(distance * std::sqrt(count) < 1.95);  // p > 1e-3
 }
 
-TEST_CASE("WCPG learns to hold the pole up at every risk level") {
+TEST_CASE("WCPG learns to keep the pole upright at every risk level") {
   const auto plant = cartpole();
   Options options = kFixed;
   options.push_back({"steps", integer(20'000)});
@@ -106,7 +106,7 @@ TEST_CASE("a relabelled training learns at other levels than those it acted at")
   CHECK(actors.size() == 2);
 }
 
-TEST_CASE("WCPG whose numbers are none ends with a reason") {
+TEST_CASE("WCPG whose numbers are not finite ends with a reason") {
   const auto plant = cartpole();
   const auto training =
       wcpg({{"steps", integer(40'000)}, {"critic_rate", number(1e30)}})->start({plant.object.get(), {}, {}, 1});

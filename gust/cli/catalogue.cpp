@@ -32,20 +32,38 @@ CatalogueItem item_of(const Entry<T>& entry) {
   return {entry.name, entry.summary, entry.source, entry.fields, {}, {}, {}};
 }
 
+std::string parameters_text(const Interface& spec) {
+  std::vector<std::string> parameters;
+  for (const Parameter& parameter : spec.parameters)
+    parameters.push_back(cat(parameter.name, " = ", parameter.nominal, " [", parameter.unit, "]"));
+  return join(parameters, ", ");
+}
+
+/// What has no equations of motion, but can be reset and stepped.
+CatalogueItem loop_item(const Entry<LoopSource>& entry) {
+  const Made<LoopSource> made = entry.make(Table{});
+  const Interface& spec = made->spec();
+  CatalogueItem item = item_of(entry);
+  item.notes = {{spec.state.empty() ? "observation" : "state", components_text(spec.measured())},
+                {"action", components_text(spec.action)}};
+  if (!spec.force.empty()) item.notes.emplace_back("force at the dynamics site", components_text(spec.force));
+  if (!spec.parameters.empty()) item.notes.emplace_back("parameters that a study may vary", parameters_text(spec));
+  const std::string missing = MetricSet(spec).not_applicable();
+  if (!missing.empty()) item.notes.emplace_back("metrics that are not applicable", missing);
+  item.example = cat("plant = ", inline_table(entry.name, entry.fields));
+  return item;
+}
+
 CatalogueKind plant_kind() {
   CatalogueKind kind{"plant", "plants", {}};
   for (const Entry<Plant>& entry : plants().entries()) {
     const Made<Plant> made = entry.make(Table{});
     const PlantSpec& spec = made->spec();
-    std::vector<std::string> parameters;
-    for (const Parameter& parameter : spec.parameters) {
-      parameters.push_back(cat(parameter.name, " = ", parameter.nominal, " [", parameter.unit, "]"));
-    }
     CatalogueItem item = item_of(entry);
     item.notes = {{"state", components_text(spec.state)},
                   {"action", components_text(spec.action)},
                   {"force at the dynamics site", components_text(spec.force)},
-                  {"parameters that a study may vary", join(parameters, ", ")},
+                  {"parameters that a study may vary", parameters_text(spec)},
                   {"presets", join(preset_names(entry.name), ", ")}};
     const Table ranges = preset_part(preset_at(kStandardPreset, entry.name), entry.name, "randomise");
     if (!ranges.items.empty()) item.notes.emplace_back("ranges for randomise", join(ranges.keys(), ", "));
@@ -53,6 +71,7 @@ CatalogueKind plant_kind() {
                        spec.parameters.front().name, " = ", spec.parameters.front().nominal, " }");
     kind.items.push_back(std::move(item));
   }
+  for (const Entry<LoopSource>& entry : loop_sources().entries()) kind.items.push_back(loop_item(entry));
   return kind;
 }
 
@@ -182,12 +201,15 @@ CatalogueKind site_kind() {
     CatalogueItem item{
         std::string(site_name(site)), kSummaries[static_cast<int>(site)], "docs/disturbances.md 1", {}, {}, {}, {}};
     std::string channel;
-    for (const Entry<Plant>& plant : plants().entries()) {
-      const Made<Plant> made = plant.make(Table{});
-      const std::vector<Component>& channels = channels_of(site, made->spec());
-      item.notes.emplace_back(cat("channels of ", plant.name), components_text(channels));
+    const auto add_channels = [&](const std::string& plant, const Interface& spec) {
+      const std::vector<Component>& channels = channels_of(site, spec);
+      if (channels.empty()) return;
+      item.notes.emplace_back(cat("channels of ", plant), components_text(channels));
       if (channel.empty()) channel = channels.front().name;
-    }
+    };
+    for (const Entry<Plant>& plant : plants().entries()) add_channels(plant.name, plant.make(Table{})->spec());
+    for (const Entry<LoopSource>& other : loop_sources().entries())
+      add_channels(other.name, other.make(Table{})->spec());
     item.example = cat("[[sweep]]\nname     = \"", item.name, " step\"\nsite     = \"", item.name, "\"\nchannels = [\"",
                        channel, "\"]\nwaveform = { kind = \"step\", offset = 2 }\n", "levels   = [0, 0.1, 0.2]");
     kind.items.push_back(std::move(item));

@@ -30,7 +30,7 @@ std::vector<std::string> command_names(const CLI::App& app);
 /// The command of a name, such as "run" or "store pack"; an Error with the nearest name if there is none.
 const CLI::App& find_command(const CLI::App& program, const std::vector<std::string>& names);
 
-/// Runs the command line and gives the exit code. A command line that is none is an Error.
+/// Runs the command line and gives the exit code. A command line that cannot be read is an Error.
 int run_command_line(int argc, const char* const* argv);
 
 /// Accepts a whole number within bounds.

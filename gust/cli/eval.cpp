@@ -46,7 +46,7 @@ Settings read_settings(const EvalRequest& request) {
     groups.push_back({&settings.shape, names_of(waveforms().at(request.waveform, {"--waveform"}).fields)});
   if (!request.effect.empty())
     groups.push_back({&settings.shape, names_of(effects().at(request.effect, {"--effect"}).fields)});
-  groups.push_back({&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)});
+  groups.push_back({&settings.plant, names_of(plant_fields(request.plant, {"--plant"}))});
   groups.push_back({&settings.policy, names_of(request.kind().fields)});
   sort_settings(
       request.settings, groups,
@@ -58,11 +58,11 @@ Setup prepare_setup(const EvalRequest& request, const Settings& settings) {
   Table plant = settings.plant;
   plant.place = {"--plant"};
   plant.set("kind", {request.plant, {"--plant"}});
-  plant.set("preset", {request.preset, {"--preset"}});
+  set_preset(plant, request.preset, {"--preset"});
   return make_setup(plant, &settings.readings);
 }
 
-std::vector<Injection> prepare_injections(const EvalRequest& request, const Settings& settings, const PlantSpec& spec) {
+std::vector<Injection> prepare_injections(const EvalRequest& request, const Settings& settings, const Interface& spec) {
   if (!request.waveform.empty() && !request.effect.empty())
     throw Error("--effect: a disturbance has a --waveform or an --effect, not both");
   const bool any = !request.site.empty() || !request.shape().empty() || !request.level.empty();
@@ -88,7 +88,7 @@ std::vector<Injection> prepare_injections(const EvalRequest& request, const Sett
 
 /// The parameters of the plant that the policy meets. Each must be one that the plant could have been made with.
 std::vector<double> prepare_parameters(const EvalRequest& request, const Settings& settings, const Setup& setup) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   std::vector<double> values = nominal_parameters(spec);
   std::vector<std::string> names;
   for (const Parameter& parameter : spec.parameters) names.push_back(parameter.name);
@@ -111,29 +111,30 @@ std::vector<double> prepare_parameters(const EvalRequest& request, const Setting
 }
 
 /// "x,x_dot,…": a number for every state of the plant.
-StartProtocol explicit_start(const std::string& text, const PlantSpec& spec) {
+StartProtocol explicit_start(const std::string& text, const LoopSource& source) {
   const Value value = value_from_text(text, {"--start"});
-  std::vector<std::string> names;
-  for (const Component& component : spec.state) names.push_back(component.name);
-  if (std::holds_alternative<std::string>(value.data)) {
-    const std::vector<std::string> words = {"nominal", "random"};
-    throw Error(
-        cat("--start: must be nominal, random or ", join(names, ","), ", got '", text, "'", did_you_mean(text, words)));
+  std::vector<std::string> names, words;
+  for (const Component& component : source.spec().state) names.push_back(component.name);
+  for (const StartProtocol& start : source.starts()) words.push_back(start.name);
+  if (names.empty() || std::holds_alternative<std::string>(value.data)) {
+    const std::string state = names.empty() ? "" : cat(" or ", join(names, ","));
+    throw Error(cat("--start: must be ", join(words, ", "), state, ", got '", text, "'", did_you_mean(text, words)));
   }
   StartProtocol start{text, false, value.as_numbers("start")};
   if (start.state.size() == names.size()) return start;
   throw Error(cat("--start: must have ", names.size(), " numbers (", join(names, ","), "), got ", start.state.size()));
 }
 
-StartProtocol named_start(const std::string& text, const PlantSpec& spec) {
-  if (text.empty() || text == "nominal") return nominal_start(spec);
-  if (text == "random") return random_starts();
-  return explicit_start(text, spec);
+StartProtocol named_start(const std::string& text, const LoopSource& source) {
+  std::vector<StartProtocol> starts = source.starts();
+  if (text.empty()) return std::move(starts.front());
+  const auto named = std::ranges::find(starts, text, &StartProtocol::name);
+  return named != starts.end() ? std::move(*named) : explicit_start(text, source);
 }
 
-StartProtocol prepare_start(const std::string& text, const PlantSpec& spec) {
-  StartProtocol start = named_start(text, spec);
-  if (const std::string complaint = start_complaint(start, spec); !complaint.empty())
+StartProtocol prepare_start(const std::string& text, const LoopSource& source) {
+  StartProtocol start = named_start(text, source);
+  if (const std::string complaint = source.start_complaint(start); !complaint.empty())
     throw Error(cat("--start: ", complaint));
   return start;
 }
@@ -143,16 +144,18 @@ Prepared prepare(const EvalRequest& request) {
   Prepared prepared;
   prepared.setup = prepare_setup(request, settings);
   prepared.policy = settings.policy;
-  const PlantSpec& spec = prepared.setup.plant->spec();
+  const Interface& spec = prepared.setup.plant->spec();
   prepared.injections = prepare_injections(request, settings, spec);
   prepared.cell.parameters = prepare_parameters(request, settings, prepared.setup);
   for (const Injection& injection : prepared.injections) prepared.cell.levels.push_back(injection.level);
-  prepared.start = prepare_start(request.start, spec);
+  prepared.start = prepare_start(request.start, *prepared.setup.plant);
   prepared.episodes = checked_episodes(request, prepared.start.random ? 25 : 1);
   if (request.terminate != "yes" && request.terminate != "no") {
     throw Error(cat("--terminate: must be yes or no, got '", request.terminate, "'"));
   }
   prepared.terminate = request.terminate == "yes";
+  if (!prepared.terminate && !spec.goes_on)
+    throw Error("--terminate: must be yes: the plant tells nothing after a failure");
   return prepared;
 }
 
@@ -186,10 +189,11 @@ std::shared_ptr<const PolicySource> prepare_policy(const EvalRequest& request, c
 }
 
 /// The hint if most episodes, which nothing disturbs, end within a second.
-std::string failure_note(const std::string& policy, const std::vector<EvalRow>& rows, const PlantSpec& spec) {
-  const std::size_t time = MetricSet().first(MetricRole::failure_time);
-  const auto early = std::ranges::count_if(
-      rows, [&](const EvalRow& row) { return row.failed && row.not_finite.empty() && row.metrics[time] <= kAtOnce; });
+std::string failure_note(const std::string& policy, const std::vector<EvalRow>& rows, const Interface& spec) {
+  const std::optional<std::size_t> time = MetricSet(spec).first(MetricRole::failure_time);
+  const auto early = std::ranges::count_if(rows, [&](const EvalRow& row) {
+    return time && row.failed && row.not_finite.empty() && row.metrics[*time] <= kAtOnce;
+  });
   const std::string failure = failure_hint_text(static_cast<std::size_t>(early), rows.size());
   return failure.empty() ? failure : cat(policy, ": ", failure, interface_hint(spec));
 }
@@ -242,7 +246,7 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
           .applies = {},
           .initial_state = start_state(evaluation, index),
           .final_state = part.final_state,
-          .not_finite = action ? not_finite_text(*action, evaluation.plant->spec()) : std::string()};
+          .not_finite = action ? not_finite_text(*action, evaluation.source->spec()) : std::string()};
 }
 
 EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, const OnnxData& data) {
@@ -251,22 +255,21 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, c
   const auto source =
       prepare_policy(request, prepared.setup, prepared.policy, {request.policy, std::string(policy_bytes), data});
   const std::unique_ptr<Policy> policy = source->make(prepared.setup, {});
-  const PlantSpec& spec = prepared.setup.plant->spec();
+  const Interface& spec = prepared.setup.plant->spec();
   for (const std::string& warning : wave_warnings(prepared.injections, spec)) tell(cat("warning: ", warning));
-  const Evaluation evaluation{.plant = prepared.setup.plant.object.get(),
-                              .readings = prepared.setup.readings,
+  const Evaluation evaluation{.source = prepared.setup.plant.object.get(),
                               .injections = prepared.injections,
                               .cells = {prepared.cell},
                               .starts = {prepared.start},
                               .episodes = prepared.episodes,
                               .root = Rng(static_cast<std::uint64_t>(request.seed))};
-  const MetricSet metric_set;
-  EvalResult result;
+  EvalResult result{.metrics = MetricSet(spec), .two_efforts = prepared.setup.plant->plant() != nullptr};
+  const MetricSet& metric_set = result.metrics;
   std::vector<EvalRow>& rows = result.rows;
   evaluate(evaluation, *policy, [&](const EpisodeIndex& index, const Episode& episode) {
     rows.push_back(eval_row(evaluation, index, episode, prepared.terminate));
     rows.back().metrics = row_metrics(metric_set, episode, prepared.terminate);
-    rows.back().applies = metric_set.applying(evaluation.plant->spec());
+    rows.back().applies = metric_set.applying(evaluation.source->spec());
   });
   result.notes = source->warnings();
   const bool undisturbed = prepared.injections.empty() && request.parameters.empty();

@@ -47,15 +47,18 @@ struct EvalRow {
   bool finite = true;
   double return_sum_commanded = 0;
   double return_sum_disturbed = 0;
-  std::vector<double> metrics;  ///< in the order of MetricSet; what a part of the episode decides is over its steps
-  std::vector<bool> applies;    ///< which of them the plant has
+  std::vector<double>
+      metrics;                ///< in the order of the metric set; what a part of the episode decides is over its steps
+  std::vector<bool> applies;  ///< which of them the plant has
   std::vector<double> initial_state, final_state;
   std::string not_finite;  ///< of the first action that was NaN or infinite: step and state; empty if there was none
 };
 
 /// The episodes, and what the user should know of the policy.
 struct EvalResult {
-  std::vector<EvalRow> rows;
+  MetricSet metrics;        ///< those of the loop
+  bool two_efforts = true;  ///< whether rewards are told under both efforts
+  std::vector<EvalRow> rows = {};
   std::vector<std::string> notes = {};
 };
 
@@ -65,7 +68,7 @@ EvalResult run_eval(const EvalRequest& request, std::string_view policy_bytes, c
 
 /// Runs one cell of a study again, with every seed or file of the policy; a trained one is read from the study's store.
 /// The metrics are the numbers that the study has or would have there.
-std::vector<EvalRow> run_cell(const EvalRequest& request);
+EvalResult run_cell(const EvalRequest& request);
 
 /// The row of an episode, without its metrics and which of them apply.
 EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const Episode& episode, bool terminate);
@@ -74,11 +77,11 @@ EvalRow eval_row(const Evaluation& evaluation, const EpisodeIndex& index, const 
 std::int64_t checked_episodes(const EvalRequest& request, std::int64_t standard);
 
 /// The rows as a JSON array of objects, quotients of means left out; numbers in the shortest form that reads back, what
-/// is no finite number as null.
-std::string eval_json(const std::vector<EvalRow>& rows);
+/// is not finite or not applicable as null.
+std::string eval_json(const EvalResult& result);
 
 /// The rows as a table to read: mean, least and greatest of every number over the episodes, with its unit; of quotients
-/// of means over the seeds. What the plant does not have is left out.
-std::string eval_table(const std::vector<EvalRow>& rows);
+/// of means over the seeds. What the plant does not have is left out; what it cannot tell is said to be not applicable.
+std::string eval_table(const EvalResult& result);
 
 }  // namespace gust

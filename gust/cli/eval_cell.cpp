@@ -40,13 +40,13 @@ void add_rows(const OpenStudy& open, const Trial& trial, std::vector<EvalRow>& r
     row.seed = study.policies[trial.policy].member(trial.member);
     row.metrics.resize(study.metric_set.size());
     measure(study, episode, row.metrics);
-    row.applies = study.metric_set.applying(task->evaluation.plant->spec());
+    row.applies = study.metric_set.applying(task->evaluation.source->spec());
   });
 }
 
 }  // namespace
 
-std::vector<EvalRow> run_cell(const EvalRequest& request) {
+EvalResult run_cell(const EvalRequest& request) {
   OpenStudy open(request.study);
   open.trials("eval");
   Study& study = open.study;
@@ -55,14 +55,14 @@ std::vector<EvalRow> run_cell(const EvalRequest& request) {
   const std::string start = request.start.empty() ? study.starts.front().name : request.start;
   study.starts = {named(study.starts, {start, {"--start"}}, "start")};
   study.episodes = checked_episodes(request, study.episodes);
-  std::vector<EvalRow> rows;
+  EvalResult result{.metrics = study.metric_set, .two_efforts = study.setup.plant->plant() != nullptr};
   for (Trial trial : open.plan.trials) {
     const bool nominal = trial.kind == Trial::Kind::kEvaluate && trial.sweep == Trial::kNominal;
     if (!nominal || &study.policies[trial.policy] != &policy) continue;
     trial.sweep = sweep;
-    add_rows(open, trial, rows);
+    add_rows(open, trial, result.rows);
   }
-  return rows;
+  return result;
 }
 
 }  // namespace gust

@@ -10,6 +10,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr std::size_t kColumns = 80;
+
 std::string json_number(double number) { return std::isfinite(number) ? cat(number) : "null"; }
 
 std::string json_numbers(const std::vector<double>& numbers) {
@@ -34,6 +36,7 @@ std::string json_row(const EvalRow& row, const MetricSet& metrics) {
     if (metrics[i].traits().role != MetricRole::length)
       add(metrics.name(i), json_number(row.metrics[i]));  // it is there, as a whole number
   }
+  for (const std::string& name : metrics.names_not_applicable()) add(name, "null");
   add("initial_state", json_numbers(row.initial_state));
   add("final_state", json_numbers(row.final_state));
   return cat("  {", join(parts, ", "), "}");
@@ -74,20 +77,22 @@ std::string quotient_line(const MetricSet& metrics, std::size_t metric, const st
 
 }  // namespace
 
-std::string eval_json(const std::vector<EvalRow>& rows) {
-  const MetricSet metrics;
+std::string eval_json(const EvalResult& result) {
   std::vector<std::string> lines;
-  for (const EvalRow& row : rows) lines.push_back(json_row(row, metrics));
+  for (const EvalRow& row : result.rows) lines.push_back(json_row(row, result.metrics));
   return cat("[\n", join(lines, ",\n"), "\n]\n");
 }
 
-std::string eval_table(const std::vector<EvalRow>& rows) {
-  const MetricSet metrics;
+std::string eval_table(const EvalResult& result) {
+  const MetricSet& metrics = result.metrics;
+  const std::vector<EvalRow>& rows = result.rows;
   const auto failed = std::ranges::count_if(rows, [](const EvalRow& row) { return row.failed; });
   std::string text = cat(rows.size(), rows.size() == 1 ? " episode, " : " episodes, ", failed, " failed\n\n");
   text += fmt::format("{:<25}  {:>12}  {:>12}  {:>12}\n", "", "mean", "least", "greatest");
-  text += table_line("return_sum_commanded", "", rows, [](const EvalRow& row) { return row.return_sum_commanded; });
-  text += table_line("return_sum_disturbed", "", rows, [](const EvalRow& row) { return row.return_sum_disturbed; });
+  if (result.two_efforts) {
+    text += table_line("return_sum_commanded", "", rows, [](const EvalRow& row) { return row.return_sum_commanded; });
+    text += table_line("return_sum_disturbed", "", rows, [](const EvalRow& row) { return row.return_sum_disturbed; });
+  }
   for (std::size_t i = 0; i < metrics.size(); ++i) {
     if (!rows.front().applies[i]) continue;
     if (metrics[i].quotient()) {
@@ -97,7 +102,8 @@ std::string eval_table(const std::vector<EvalRow>& rows) {
     text +=
         table_line(metrics.name(i), metrics[i].traits().unit, rows, [i](const EvalRow& row) { return row.metrics[i]; });
   }
-  return text;
+  const std::string missing = metrics.not_applicable();
+  return missing.empty() ? text : cat(text, "\n", wrapped(cat("not applicable: ", missing), kColumns), "\n");
 }
 
 }  // namespace gust

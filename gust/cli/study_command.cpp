@@ -179,10 +179,12 @@ std::string write_report(const StudyFolder& folder, const Study& study, const Su
   context.warnings = warnings;
   context.provenance = {{"gust", std::string(kVersion)},
                         {"plant", study.setup.plant.canonical()},
-                        {"readings", canonical_fields(study.setup.readings)},
+                        {"readings", study.setup.preset.empty() ? "none" : study.setup.readings_text()},
                         {"root seed", cat(study.seed)},
                         {"machine", machine()},
                         {"made", now_text()}};
+  if (const std::string missing = study.metric_set.not_applicable(); !missing.empty())
+    context.provenance.emplace_back("metrics not applicable", missing);
   if (!rows.empty()) context.provenance.push_back({"rows", cat("measured elsewhere: ", rows)});
   const std::filesystem::path page = into.empty() ? folder.report() : into / folder.report().filename();
   check_output(page, OutputKind::page, "page");

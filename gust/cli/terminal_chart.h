@@ -13,7 +13,7 @@ struct ChartStyle {
 };
 
 /// Draws a curve over its index, with the least and greatest value at the left. Where many values share a column, the
-/// whole span between the least and the greatest of them is drawn. What is no finite number is left out.
+/// whole span between the least and the greatest of them is drawn. NaN and infinities are left out.
 std::string terminal_chart(std::span<const double> values, const ChartStyle& style);
 
 /// Whether the user's locale says that text is UTF-8.

@@ -35,7 +35,7 @@ TEST_CASE("a chart draws the whole span of the values that share a column") {
         "       -1 +****\n");
 }
 
-TEST_CASE("a chart leaves out what is no finite number, and few values fill it") {
+TEST_CASE("a chart leaves out NaN and infinities, and few values fill it") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(terminal_chart(std::vector<double>{nan, nan, 1, 1}, kSmall) ==
         "        1 +  **\n"

@@ -41,7 +41,7 @@ Settings read_settings(const TrainRequest& request) {
   of_agent.push_back("curve");
   const SettingGroup groups[] = {{&settings.agent, of_agent},
                                  {&settings.readings, field_names<Readings>()},
-                                 {&settings.plant, names_of(plants().at(request.plant, {"--plant"}).fields)}};
+                                 {&settings.plant, names_of(plant_fields(request.plant, {"--plant"}))}};
   sort_settings(request.settings, groups, cat(" (gust describe agent ", request.agent, ")"));
   if (const Value* randomise = settings.agent.find("randomise")) settings.randomise = *randomise;
   settings.agent.erase("randomise");
@@ -52,7 +52,7 @@ Settings read_settings(const TrainRequest& request) {
   if (request.steps) settings.agent.set("steps", {*request.steps, {"--steps"}});
   settings.plant.place = {"--plant"};
   settings.plant.set("kind", {request.plant, {"--plant"}});
-  settings.plant.set("preset", {request.preset, {"--preset"}});
+  set_preset(settings.plant, request.preset, {"--preset"});
   return settings;
 }
 
@@ -65,8 +65,9 @@ TrainingRun::TrainingRun(const TrainRequest& request)
   if (is_stream(out_)) throw Error(cat("--out: '", out_, "' is no regular file; choose another"));
   const Settings settings = read_settings(request);
   setup_ = make_setup(settings.plant, &settings.readings);
+  const Plant& plant = setup_.equations("a training", {"--plant"});
   agent_ = make_agent(settings.agent, setup_);
-  agent_->check(setup_.plant->spec(), {"gust train"});
+  agent_->check(plant.spec(), {"gust train"});
   if (settings.randomise) randomised_ = parse_randomise(*settings.randomise, setup_);
   const std::string drawn = randomised_.canonical(setup_.plant->spec());
   identity_ =
@@ -75,9 +76,8 @@ TrainingRun::TrainingRun(const TrainRequest& request)
                    drawn, settings.curve_as_trained ? "\ncurve training" : ""));
   remove_left_aside(checkpoint_);
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
-  training_ = agent_->start(
-      {setup_.plant.object.get(), setup_.readings, {}, seed_, randomised_.draws, settings.curve_as_trained});
-  resume();
+  training_ = begin_training(
+      *agent_, {&plant, setup_.readings, {}, seed_, randomised_.draws, settings.curve_as_trained}, *checkpoint_);
 }
 
 std::vector<std::string> TrainingRun::warnings() const {
@@ -86,52 +86,24 @@ std::vector<std::string> TrainingRun::warnings() const {
   return warnings;
 }
 
-TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::function<void(double)>& tell) {
-  CheckpointPace pace(kBetweenCheckpoints);
-  while (!training_->done()) {
-    const bool stopping = stop.stop_requested();
-    if (stopping || pace.due()) pace.keep([&] { keep(); });
-    if (stopping) return End::stopped;
-    training_->advance();
-    tell(static_cast<double>(steps()) / static_cast<double>(total_steps()));
-  }
+TrainingRun::End TrainingRun::go(const std::stop_token& stop, const std::function<void(double)>& tell_share) {
+  if (!train_to_end(*training_, *checkpoint_, stop, tell_share, tell)) return End::stopped;
   const bool failed = !training_->failure().empty();
   try {
     if (!failed) write_policy();
   } catch (const Error&) {
-    keep();
+    keep_checkpoint(*training_, *checkpoint_, tell);
     throw;
   }
-  std::error_code ignored;
-  std::filesystem::remove(checkpoint_, ignored);
+  checkpoint_->remove();
   return failed ? End::failed : End::done;
 }
 
-double TrainingRun::predicted_seconds() const { return training_seconds(*agent_.object, setup_.plant->spec()); }
+double TrainingRun::predicted_seconds() const { return training_seconds(*agent_.object, *setup_.plant); }
 
 double TrainingRun::last_score() const {
   const std::vector<CurvePoint>& curve = training_->curve();
   return curve.empty() ? std::numeric_limits<double>::quiet_NaN() : curve.back().anr_h;
-}
-
-/// Goes on from the checkpoint if it is whole and of this training; else it is as if it were not there.
-void TrainingRun::resume() {
-  std::error_code unknown;
-  if (!std::filesystem::is_regular_file(checkpoint_, unknown)) return;
-  const std::string bytes = read_file(checkpoint_, std::size_t{4} << 30);
-  const std::size_t head = identity_.size() + 32;  // whose it is, and the hash of what follows
-  if (bytes.size() < head || bytes.substr(0, identity_.size()) != identity_) return;
-  const std::string state = bytes.substr(head);
-  if (bytes.substr(identity_.size(), 32) == hash_hex(state)) training_->load(state);
-}
-
-void TrainingRun::keep() const {
-  const std::string state = training_->save();
-  try {
-    write_file_atomically(checkpoint_, identity_ + hash_hex(state) + state);
-  } catch (const Error& error) {
-    tell(cat("warning: no checkpoint: ", error.what()));
-  }
 }
 
 void TrainingRun::write_policy() const {

@@ -9,6 +9,7 @@
 
 #include "gust/agents/agent.h"
 #include "gust/setup/setup.h"
+#include "gust/study/trials/training_driver.h"
 
 namespace gust {
 
@@ -34,7 +35,7 @@ class TrainingRun {
   explicit TrainingRun(const TrainRequest& request);
 
   /// Trains to the end or until a stop is asked for; tells the share that is done now and then.
-  End go(const std::stop_token& stop, const std::function<void(double)>& tell);
+  End go(const std::stop_token& stop, const std::function<void(double)>& tell_share);
 
   /// What the user should know of the plant that was asked for, one sentence each.
   std::vector<std::string> warnings() const;
@@ -47,16 +48,15 @@ class TrainingRun {
   double last_score() const;
 
  private:
-  void resume();
-  void keep() const;
   void write_policy() const;
 
-  std::string out_, checkpoint_;
+  std::string out_;
   std::int64_t seed_;
   Setup setup_;
   Made<Agent> agent_;
   Randomisation randomised_;
   std::string identity_;  ///< equal for trainings that are the same
+  std::unique_ptr<CheckpointPlace> checkpoint_;
   std::unique_ptr<Training> training_;
 };
 

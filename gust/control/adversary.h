@@ -18,7 +18,7 @@ struct AdversarySite {
 };
 
 /// How many numbers an adversary at this site gives.
-inline std::size_t adversary_channels(const AdversarySite& at, const PlantSpec& spec) {
+inline std::size_t adversary_channels(const AdversarySite& at, const Interface& spec) {
   return channels_of(at.site, spec).size();
 }
 

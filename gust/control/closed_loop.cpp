@@ -35,21 +35,16 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
                        std::size_t lanes)
     : plant_(plant),
       effort_(effort_from(readings.effort)),
-      boxed_(readings.command_clip == "box" || readings.saturate == "before"),
-      saturates_(readings.saturate == "after"),
       disturber_(injections, disturbed_loop(plant.spec()), lanes),
+      actuator_(plant.spec(), readings, lanes, disturber_.may_split()),
       lanes_(lanes),
       counter_(lanes, 0),
       failed_(lanes, 0),
-      not_finite_(lanes, 0.0),
+      touched_ground_(lanes, 0),
       state_(plant.spec().state.size() + plant.spec().hidden, lanes),
       parameters_(filled_rows(Matrix<double>::padded(lanes), nominal_parameters(plant.spec()))),
       goal_(plant.spec().state.size(), lanes),
       observation_(plant.spec().observations(), lanes),
-      command_(plant.spec().action.size(), lanes),
-      commanded_(plant.spec().action.size(), lanes),
-      disturbed_(plant.spec().action.size(), lanes),
-      applied_(plant.spec().action.size(), lanes),
       force_(plant.spec().force.size(), lanes),
       reward_commanded_(1, lanes),
       reward_disturbed_(1, lanes),
@@ -57,7 +52,6 @@ ClosedLoop::ClosedLoop(const Plant& plant, const Readings& readings, std::span<c
       cost_(1, lanes) {
   const std::size_t states = goal_.rows();
   if (disturber_.may_split()) {
-    early_action_ = early_applied_ = Matrix<double>(plant.spec().action.size(), lanes);
     early_force_ = Matrix<double>(plant.spec().force.size(), lanes);
     early_observation_ = Matrix<double>(states, lanes);
     substeps_ = Matrix<double>(std::size(kSites), lanes);
@@ -72,7 +66,7 @@ void ClosedLoop::begin(std::size_t lane, const EpisodeStart& start) {
   const PlantSpec& spec = plant_.spec();
   GUST_CHECK(start.state.size() == spec.state.size() && start.parameters.size() == spec.parameters.size());
   counter_[lane] = start.step;
-  failed_[lane] = 0;
+  failed_[lane] = touched_ground_[lane] = 0;
   disturber_.begin(lane, start);
   for (std::size_t i = 0; i < spec.state.size(); ++i) state_.at(i, lane) = start.state[i];
   for (std::size_t i = 0; i < spec.parameters.size(); ++i) parameters_.at(i, lane) = start.parameters[i];
@@ -83,9 +77,7 @@ void ClosedLoop::begin(std::size_t lane, const EpisodeStart& start) {
 }
 
 void ClosedLoop::step(Rows<const double> command, const Offsets& offsets) noexcept {
-  command_actions(command);
-  disturb_actions(offsets.action);
-  saturate_actions();
+  actuator_.act(command, counter_, disturber_, offsets.action);
   set_forces(offsets.force);
   advance();
   for (std::int64_t& counter : counter_) ++counter;
@@ -96,7 +88,7 @@ void ClosedLoop::step(Rows<const double> command, const Offsets& offsets) noexce
 
 /// Moves the plant; in two parts where a signal changes within the step in any lane.
 void ClosedLoop::advance() noexcept {
-  const Motion motion{state_.view(), parameters_.view(), applied_.view(), force_.view()};
+  const Motion motion{state_.view(), parameters_.view(), actuator_.applied(), force_.view()};
   if (!disturber_.may_split()) return plant_.advance(motion);
   const double substeps = std::round(plant_.spec().physics_rate / plant_.spec().control_rate);
   for (const Site site : kSites) {
@@ -108,53 +100,13 @@ void ClosedLoop::advance() noexcept {
   const auto of = [&](Site site) {
     return Rows<const double>{substeps_.row(static_cast<std::size_t>(site)).data(), 1, lanes_, 0};
   };
-  const SplitStep split{.action = early_applied_.view(),
+  const SplitStep split{.action = actuator_.applied_early(),
                         .force = early_force_.view(),
                         .action_until = of(Site::kAction),
                         .force_until = of(Site::kDynamics),
                         .seen_after = of(Site::kObservation),
                         .seen = early_observation_.view()};
   plant_.advance({motion.state, motion.parameters, motion.action, motion.force, &split});
-}
-
-/// The policy's unit becomes the physical one; with a box (or where saturation comes first) the command is clipped.
-void ClosedLoop::command_actions(Rows<const double> command) noexcept {
-  const PlantSpec& spec = plant_.spec();
-  std::ranges::fill(not_finite_, 0.0);
-  for (std::size_t i = 0; i < spec.action.size(); ++i) {
-    const double box_low = spec.normalized_action ? spec.action_offset[i] - spec.action_scale[i] : spec.action_low[i];
-    const double box_high = spec.normalized_action ? spec.action_offset[i] + spec.action_scale[i] : spec.action_high[i];
-    for (std::size_t lane = 0; lane < lanes_; ++lane) {
-      const double wanted = spec.action_offset[i] + spec.action_scale[i] * command.at(i, lane);
-      if (!std::isfinite(wanted)) not_finite_[lane] = wanted;
-      command_.at(i, lane) = boxed_ ? clip(wanted, box_low, box_high) : wanted;
-      commanded_.at(i, lane) = clip(wanted, spec.action_low[i], spec.action_high[i]);
-    }
-  }
-}
-
-void ClosedLoop::disturb_actions(Rows<const double> offset) noexcept {
-  for (std::size_t i = 0; i < disturbed_.rows(); ++i) {
-    std::ranges::copy(command_.row(i), disturbed_.row(i).begin());
-  }
-  for (std::size_t i = 0; i < early_action_.rows(); ++i)
-    std::ranges::copy(command_.row(i), early_action_.row(i).begin());
-  disturber_.apply(Site::kAction, counter_, disturbed_.view(), offset, early_action_.view());
-}
-
-void ClosedLoop::saturate_actions() noexcept {
-  saturate(disturbed_, applied_);
-  saturate(early_action_, early_applied_);
-}
-
-void ClosedLoop::saturate(const Matrix<double>& wanted, Matrix<double>& applied) const noexcept {
-  const PlantSpec& spec = plant_.spec();
-  for (std::size_t i = 0; i < applied.rows(); ++i) {
-    for (std::size_t lane = 0; lane < lanes_; ++lane) {
-      const double sum = wanted.at(i, lane);
-      applied.at(i, lane) = saturates_ ? clip(sum, spec.action_low[i], spec.action_high[i]) : sum;
-    }
-  }
 }
 
 /// Set once a control step and held over its substeps.
@@ -204,9 +156,9 @@ void ClosedLoop::judge() noexcept {
     }
     store(&cost_.at(0, lane), cost);
   });
-  charge(commanded_.view(), reward_commanded_.row(0));
-  charge(disturbed_.view(), reward_disturbed_.row(0));
-  if (effort_ == Effort::kApplied) charge(applied_.view(), reward_applied_.row(0));
+  charge(commanded(), reward_commanded_.row(0));
+  charge(disturbed(), reward_disturbed_.row(0));
+  if (effort_ == Effort::kApplied) charge(applied(), reward_applied_.row(0));
   std::ranges::fill(failed_, std::uint8_t{0});
   for (std::size_t i = 0; i < spec.state.size(); ++i) {
     for (std::size_t lane = 0; lane < lanes_; ++lane) {
@@ -215,6 +167,23 @@ void ClosedLoop::judge() noexcept {
       failed_[lane] |= static_cast<std::uint8_t>(!inside);  // NaN is never inside
     }
   }
+  if (!spec.contact) return;
+  for (std::size_t lane = 0; lane < lanes_; ++lane) touched_ground_[lane] = state_.at(*spec.contact, lane) != 0.0;
+}
+
+StepRecord ClosedLoop::record() const {
+  return {.reward = reward(),
+          .failed = failed_,
+          .not_finite_command = actuator_.not_finite(),
+          .touched_ground = touched_ground_,
+          .reward_commanded = reward_commanded(),
+          .reward_disturbed = reward_disturbed(),
+          .state = state(),
+          .goal = goal(),
+          .commanded = commanded(),
+          .disturbed = disturbed(),
+          .applied = applied(),
+          .force = force()};
 }
 
 std::span<const double> ClosedLoop::reward() const {
@@ -247,12 +216,6 @@ void ClosedLoop::observe(Rows<const double> offset) noexcept {
     for (std::size_t lane = 0; lane < lanes_; ++lane) show_references(lane);
   }
   disturber_.apply(Site::kObservation, counter_, observation_.view(), offset, early_observation_.view());
-}
-
-std::vector<double> nominal_parameters(const PlantSpec& spec) {
-  std::vector<double> values;
-  for (const Parameter& parameter : spec.parameters) values.push_back(parameter.nominal);
-  return values;
 }
 
 std::vector<double> random_start(const PlantSpec& spec, Rng episode) {

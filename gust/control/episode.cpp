@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "gust/core/text.h"
 
@@ -29,17 +30,23 @@ void add(EpisodePart& part, const StepTally& step, Rows<const double> state, std
   }
 }
 
-StepTally tally(const ClosedLoop& loop, const PlantSpec& spec, std::size_t lane) {
-  StepTally step{loop.reward()[lane], loop.reward_commanded()[lane], loop.reward_disturbed()[lane], 0, 0, 0, false};
-  for (std::size_t i = 0; i < spec.state.size(); ++i) {
-    const double value = loop.state().at(i, lane);
-    const double error = value - loop.goal().at(i, lane);
-    step.state += value * value;
+double of_lane(std::span<const double> numbers, std::size_t lane) {
+  return numbers.empty() ? std::numeric_limits<double>::quiet_NaN() : numbers[lane];
+}
+
+bool flag(std::span<const std::uint8_t> flags, std::size_t lane) { return !flags.empty() && flags[lane] != 0; }
+
+StepTally tally(const StepRecord& of, const Interface& spec, std::size_t lane) {
+  StepTally step{
+      of.reward[lane], of_lane(of.reward_commanded, lane), of_lane(of.reward_disturbed, lane), 0, 0, 0, false};
+  for (std::size_t i = 0; i < of.state.rows; ++i) step.state += of.state.at(i, lane) * of.state.at(i, lane);
+  for (std::size_t i = 0; i < of.goal.rows; ++i) {
+    const double error = of.state.at(i, lane) - of.goal.at(i, lane);
     step.squared += error * error;
     step.masked += spec.error_weights[i] * error * error;
   }
-  for (std::size_t i = 0; i < spec.action.size(); ++i) {
-    const double wanted = loop.disturbed().at(i, lane);
+  for (std::size_t i = 0; i < of.disturbed.rows; ++i) {
+    const double wanted = of.disturbed.at(i, lane);
     step.saturated = step.saturated || wanted < spec.action_low[i] || wanted > spec.action_high[i];
   }
   return step;
@@ -47,15 +54,17 @@ StepTally tally(const ClosedLoop& loop, const PlantSpec& spec, std::size_t lane)
 
 }  // namespace
 
-std::string not_finite_text(const NotFiniteAction& action, const PlantSpec& spec) {
+std::string not_finite_text(const NotFiniteAction& action, const Interface& spec) {
+  const char* gave = std::isnan(action.value) ? "NaN" : "an infinite action";
+  std::string text = cat("the policy gave ", gave, " at step ", action.step);
+  if (spec.state.empty()) return text;
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < action.state.size(); ++i)
     parts.push_back(format("{} = {:.4g} {}", spec.state[i].name, action.state[i], spec.state[i].unit));
-  const char* gave = std::isnan(action.value) ? "NaN" : "an infinite action";
-  return cat("the policy gave ", gave, " at step ", action.step, ", state ", join(parts, ", "));
+  return cat(text, ", state ", join(parts, ", "));
 }
 
-EpisodeMeter::EpisodeMeter(const PlantSpec& spec, std::size_t lanes) : spec_(spec), episodes_(lanes) {
+EpisodeMeter::EpisodeMeter(const Interface& spec, std::size_t lanes) : spec_(spec), episodes_(lanes) {
   for (std::size_t lane = 0; lane < lanes; ++lane) begin(lane);
 }
 
@@ -71,27 +80,34 @@ void EpisodeMeter::begin(std::size_t lane) {
   }
 }
 
-void EpisodeMeter::record(const ClosedLoop& loop) {
-  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) record_lane(loop, lane);
+void EpisodeMeter::record(const StepRecord& step) {
+  const std::size_t lanes = episodes_.size();
+  GUST_CHECK(step.reward.size() == lanes && step.state.rows == spec_.state.size() &&
+             step.goal.rows == spec_.error_weights.size() && (!spec_.fails || step.failed.size() == lanes) &&
+             (!spec_.tells_effort || step.disturbed.rows == spec_.action.size()));
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) record_lane(step, lane);
 }
 
-void EpisodeMeter::record_lane(const ClosedLoop& loop, std::size_t lane) {
+void EpisodeMeter::record_lane(const StepRecord& of, std::size_t lane) {
   Episode& episode = episodes_[lane];
-  if (episode.whole.steps >= episode.horizon) return;
-  const StepTally step = tally(loop, spec_, lane);
-  const double given = loop.not_finite_command(lane);
+  const bool stopped = episode.failed && !spec_.goes_on;
+  if (episode.whole.steps >= episode.horizon || episode.over || stopped) return;
+  const StepTally step = tally(of, spec_, lane);
+  const double given = of.not_finite_command.empty() ? 0.0 : of.not_finite_command[lane];
   if (given != 0.0 && !episode.failed && !episode.not_finite) {
     episode.not_finite = {episode.whole.steps, given, {}};
     if (episode.whole.steps > 0) episode.not_finite->state = episode.whole.final_state;
   }
   if (!episode.failed) {
-    add(episode.ended, step, loop.state(), lane);
+    add(episode.ended, step, of.state, lane);
     ++episode.safe_steps;
   }
-  add(episode.whole, step, loop.state(), lane);
-  episode.failed = episode.failed || loop.failed(lane);
-  episode.touched_ground = loop.touched_ground(lane);
-  episode.finite = episode.finite && std::isfinite(step.squared) && std::isfinite(step.disturbed);
+  add(episode.whole, step, of.state, lane);
+  episode.failed = episode.failed || flag(of.failed, lane);
+  episode.over = flag(of.over, lane);
+  episode.touched_ground = flag(of.touched_ground, lane);
+  const double reward = of.reward_disturbed.empty() ? step.reward : step.disturbed;
+  episode.finite = episode.finite && std::isfinite(step.squared) && std::isfinite(reward);
 }
 
 }  // namespace gust

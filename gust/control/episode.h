@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "gust/control/closed_loop.h"
+#include "gust/control/loop.h"
 
 namespace gust {
 
-/// Sums over the steps of an episode, from the true state after each step.
+/// Sums over the steps of an episode, from the true state after each step. What the loop does not tell stays 0, and no
+/// metric is made of it.
 struct EpisodePart {
   std::int64_t steps = 0;
-  double return_sum = 0;  ///< reward as the readings charge it
-  double return_commanded = 0;
+  double return_sum = 0;        ///< reward as the readings charge it
+  double return_commanded = 0;  ///< NaN where the loop has one reward only
   double return_disturbed = 0;
   double squared_error = 0;          ///< sum of |state - goal|^2, all components, angles not wrapped
   double squared_masked_error = 0;   ///< the same over the components with error_weights
@@ -31,7 +32,7 @@ struct NotFiniteAction {
 };
 
 /// "the policy gave NaN at step 3, state x = 0.1 m, …": for people.
-std::string not_finite_text(const NotFiniteAction& action, const PlantSpec& spec);
+std::string not_finite_text(const NotFiniteAction& action, const Interface& spec);
 
 /// What is remembered of one episode: up to its end if failure ends it, and over the whole horizon as if it did not.
 /// All metrics are functions of this.
@@ -40,6 +41,7 @@ struct Episode {
   EpisodePart whole;  ///< all steps of the horizon
   bool failed = false;
   std::int64_t safe_steps = 0;  ///< steps up to and with the one that failed; all of them if none did
+  bool over = false;            ///< ended without a failure, before the horizon
   bool touched_ground = false;
   bool finite = true;  ///< false if a state or reward was no finite number; sums are then NaN where it entered
   std::optional<NotFiniteAction> not_finite = {};  ///< the first one, before the episode failed
@@ -54,18 +56,18 @@ struct Episode {
 /// Watches every lane of a loop from its begin() on, through the horizon.
 class EpisodeMeter {
  public:
-  EpisodeMeter(const PlantSpec& spec, std::size_t lanes);
+  EpisodeMeter(const Interface& spec, std::size_t lanes);
 
   /// Forgets what it knew of a lane.
   void begin(std::size_t lane);
-  /// Takes in the loop's last step.
-  void record(const ClosedLoop& loop);
+  /// Takes in the loop's last step; what the interface says is told must be there.
+  void record(const StepRecord& step);
   const Episode& episode(std::size_t lane) const { return episodes_[lane]; }
 
  private:
-  void record_lane(const ClosedLoop& loop, std::size_t lane);
+  void record_lane(const StepRecord& step, std::size_t lane);
 
-  const PlantSpec& spec_;
+  const Interface& spec_;
   std::vector<Episode> episodes_;
 };
 

@@ -20,7 +20,7 @@ Episode run(double start, double command, double level = 0, int steps = 8) {
   EpisodeMeter meter(plant.spec(), 1);
   for (int k = 0; k < steps; ++k) {
     step_all(loop, command);
-    meter.record(loop);
+    meter.record(loop.record());
   }
   return meter.episode(0);
 }
@@ -61,7 +61,7 @@ TEST_CASE("the first action that is NaN or infinite is kept with its step and st
     EpisodeMeter meter(plant.spec(), 1);
     for (const double command : {0.5, 0.25, value, value}) {
       step_all(loop, command);
-      meter.record(loop);
+      meter.record(loop.record());
     }
 
     const std::optional<NotFiniteAction>& action = meter.episode(0).not_finite;
@@ -98,7 +98,7 @@ TEST_CASE("a state that comes back after failing has still failed") {
 
   for (const double command : {0.5, -1.0, -1.0}) {
     step_all(loop, command);
-    meter.record(loop);
+    meter.record(loop.record());
   }
 
   CHECK_FALSE(loop.failed(0));
@@ -126,7 +126,7 @@ TEST_CASE("commanded and disturbed returns are kept apart") {
   CHECK(episode.whole.return_sum == episode.whole.return_disturbed);
 }
 
-TEST_CASE("numbers that are none fail the episode and are said to be none") {
+TEST_CASE("NaN fails the episode and is told as such") {
   const Episode episode = run(NAN, 0.0);
 
   CHECK(episode.failed);
@@ -142,7 +142,7 @@ TEST_CASE("lanes are counted apart, and begin anew by themselves") {
 
   for (int k = 0; k < 5; ++k) {
     step_all(loop, 0.5);
-    meter.record(loop);
+    meter.record(loop.record());
     if (k == 2) {
       loop.begin(1, {{0, 0}, {1.0}, {}, {}});
       meter.begin(1);
@@ -153,4 +153,71 @@ TEST_CASE("lanes are counted apart, and begin anew by themselves") {
   CHECK(meter.episode(0).whole.final_state[0] == 5.0);
   CHECK(meter.episode(1).whole.steps == 2);
   CHECK(meter.episode(1).whole.final_state[0] == 2.0);
+}
+
+namespace {
+
+/// What a loop without state, goal and effort tells of one lane.
+struct Lane {
+  double reward = 0;
+  std::uint8_t failed = 0, over = 0;
+
+  StepRecord record() const { return {.reward = {&reward, 1}, .failed = {&failed, 1}, .over = {&over, 1}}; }
+};
+
+Interface four_steps() {
+  Interface spec;
+  spec.steps = 4;
+  spec.control_rate = 10;
+  spec.tells_effort = false;
+  return spec;
+}
+
+}  // namespace
+
+TEST_CASE("an episode that is over counts no further step, and has not failed") {
+  const Interface spec = four_steps();
+  EpisodeMeter meter(spec, 1);
+
+  meter.record(Lane{.reward = 1}.record());
+  meter.record(Lane{.reward = 2, .over = 1}.record());
+  meter.record(Lane{.reward = 4, .failed = 1}.record());
+
+  const Episode& episode = meter.episode(0);
+  CHECK(episode.over);
+  CHECK_FALSE(episode.failed);
+  CHECK(episode.ended.steps == 2);
+  CHECK(episode.whole.return_sum == 3);
+  CHECK(std::isnan(episode.ended.return_commanded));  // it has one reward only
+  CHECK(episode.finite);
+}
+
+TEST_CASE("where nothing is told after a failure, both parts of the episode end with it") {
+  Interface spec = four_steps();
+  spec.goes_on = false;
+  EpisodeMeter meter(spec, 1);
+
+  meter.record(Lane{.reward = 1}.record());
+  meter.record(Lane{.reward = 2, .failed = 1}.record());
+  meter.record(Lane{.reward = 4}.record());
+
+  CHECK(meter.episode(0).failed);
+  CHECK(meter.episode(0).whole.steps == 2);
+  CHECK(meter.episode(0).ended.return_sum == 3);
+}
+
+TEST_CASE("an action that is not finite is told with the state, where a state is told") {
+  const AdderPlant plant;
+
+  CHECK(not_finite_text({3, NAN, {1.5, -2}}, plant.spec()) ==
+        "the policy gave NaN at step 3, state a = 1.5 m, b = -2 m");
+  CHECK(not_finite_text({3, INFINITY, {}}, four_steps()) == "the policy gave an infinite action at step 3");
+}
+
+TEST_CASE("a record without what the interface says to be told is a mistake of the loop") {
+  Interface spec = four_steps();
+  spec.state = {{"x", "m"}};
+  EpisodeMeter meter(spec, 1);
+
+  CHECK_THROWS_AS(meter.record(Lane{}.record()), Bug);
 }

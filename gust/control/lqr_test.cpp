@@ -157,7 +157,7 @@ TEST_CASE("feedback acts on the distance to the goal, in the policy's own unit")
   CHECK(feedback_policy(*physical, gain)->actions() == 1);
 }
 
-TEST_CASE("the regulator holds the pole up through a whole episode") {
+TEST_CASE("the regulator keeps the pole upright through a whole episode") {
   const Made<Plant> plant = standard_cartpole();
   const auto policy = feedback_policy(*plant, lqr_gain(*plant, reward_weights(plant->spec())));
   ClosedLoop loop(*plant, Readings{}, {}, 1);

@@ -32,7 +32,7 @@ bool take(std::string_view& text, std::string_view word) {
 }
 
 /// "-theta", "cos theta": which component, and its sign.
-ObservedNumber read_name(std::string_view text, const PlantSpec& spec, const Place& place) {
+ObservedNumber read_name(std::string_view text, const Interface& spec, const Place& place) {
   ObservedNumber number;
   std::string_view rest = trimmed(text);
   if (take(rest, "-")) number.scale = -1;
@@ -52,7 +52,7 @@ ObservedNumber read_name(std::string_view text, const PlantSpec& spec, const Pla
   return number;
 }
 
-void apply_unit(ObservedNumber& number, const Value& unit, const PlantSpec& spec) {
+void apply_unit(ObservedNumber& number, const Value& unit, const Interface& spec) {
   const Component component = observed_components(spec)[*number.component];
   if (number.form != Form::kPlain)
     throw error_at(unit.place, "'observe': a ", form_name(number.form), "has no unit; give a scale if you need one");
@@ -66,7 +66,7 @@ double read_scale(const Value& value) {
 }
 
 /// What stands beside a component's name: a unit, a scale, or a table of both.
-void read_measure(ObservedNumber& number, const Value& measure, const PlantSpec& spec) {
+void read_measure(ObservedNumber& number, const Value& measure, const Interface& spec) {
   if (measure.is_number()) {
     number.scale *= read_scale(measure);
   } else if (std::holds_alternative<std::string>(measure.data)) {
@@ -80,7 +80,7 @@ void read_measure(ObservedNumber& number, const Value& measure, const PlantSpec&
   }
 }
 
-ObservedNumber read_observed(const Value& item, const PlantSpec& spec) {
+ObservedNumber read_observed(const Value& item, const Interface& spec) {
   if (item.is_number()) return {.scale = 0, .offset = item.as_number("observe")};
   if (const auto* text = std::get_if<std::string>(&item.data)) {
     const std::size_t equals = text->find('=');
@@ -98,7 +98,7 @@ ObservedNumber read_observed(const Value& item, const PlantSpec& spec) {
   return number;
 }
 
-std::vector<ObservedNumber> read_observe(const Value& value, const PlantSpec& spec) {
+std::vector<ObservedNumber> read_observe(const Value& value, const Interface& spec) {
   const bool one = std::holds_alternative<std::string>(value.data);
   const Value::List list = one ? Value::List{value} : value.as_list("observe");
   if (list.empty() || list.size() > kMostNumbers) {
@@ -112,7 +112,7 @@ std::vector<ObservedNumber> read_observe(const Value& value, const PlantSpec& sp
 }
 
 /// The action of the preset, of one that a policy gives in a unit.
-GivenNumber in_unit(const GivenNumber& given, const Value& unit, const PlantSpec& spec, std::size_t action) {
+GivenNumber in_unit(const GivenNumber& given, const Value& unit, const Interface& spec, std::size_t action) {
   const std::string& name = unit.as_text("unit");
   const Component& input = spec.action[action];
   if (name == kNormalised || name == "normalized") {
@@ -133,7 +133,7 @@ GivenNumber in_unit(const GivenNumber& given, const Value& unit, const PlantSpec
 }
 
 /// `act` and `units`, which say the same of the unit.
-std::vector<GivenNumber> read_act(const Value* act, const Value* units, const PlantSpec& spec) {
+std::vector<GivenNumber> read_act(const Value* act, const Value* units, const Interface& spec) {
   GivenNumber given;
   const Value* unit = units;
   if (act != nullptr) {
@@ -155,7 +155,7 @@ std::vector<GivenNumber> read_act(const Value* act, const Value* units, const Pl
 }
 
 /// Whether it is what gust observes, in its order.
-bool is_own(const std::vector<ObservedNumber>& observe, const PlantSpec& spec) {
+bool is_own(const std::vector<ObservedNumber>& observe, const Interface& spec) {
   if (observe.size() != spec.observations()) return false;
   for (std::size_t i = 0; i < observe.size(); ++i) {
     if (observe[i] != ObservedNumber{.component = i}) return false;
@@ -165,7 +165,7 @@ bool is_own(const std::vector<ObservedNumber>& observe, const PlantSpec& spec) {
 
 class TranslatedPolicy final : public Policy {
  public:
-  TranslatedPolicy(std::unique_ptr<Policy> policy, const PolicyInterface& interface, const PlantSpec& spec)
+  TranslatedPolicy(std::unique_ptr<Policy> policy, const PolicyInterface& interface, const Interface& spec)
       : policy_(std::move(policy)), interface_(interface), observations_(spec.observations()) {}
 
   std::size_t observations() const override { return observations_; }
@@ -206,7 +206,7 @@ class TranslatedPolicy final : public Policy {
 
 }  // namespace
 
-std::string PolicyInterface::canonical(const PlantSpec& spec) const {
+std::string PolicyInterface::canonical(const Interface& spec) const {
   const std::vector<Component> components = observed_components(spec);
   std::string text;
   for (const ObservedNumber& number : observe) {
@@ -219,16 +219,16 @@ std::string PolicyInterface::canonical(const PlantSpec& spec) const {
   return act.empty() ? text : text + "\n";
 }
 
-std::vector<Component> observed_components(const PlantSpec& spec) {
-  std::vector<Component> components = spec.state;
+std::vector<Component> observed_components(const Interface& spec) {
+  std::vector<Component> components = spec.measured();
   for (std::size_t ahead = 1; ahead <= spec.horizon; ++ahead) {
-    for (const Component& state : spec.state)
-      components.push_back({cat(state.name, "_ref", ahead == 1 ? std::string() : cat(ahead)), state.unit});
+    for (const Component& measured : spec.measured())
+      components.push_back({cat(measured.name, "_ref", ahead == 1 ? std::string() : cat(ahead)), measured.unit});
   }
   return components;
 }
 
-PolicyInterface read_interface(const Table& table, const PlantSpec& spec) {
+PolicyInterface read_interface(const Table& table, const Interface& spec) {
   PolicyInterface interface;
   const Value* observe = table.find("observe");
   if (observe != nullptr) interface.observe = read_observe(*observe, spec);
@@ -240,7 +240,7 @@ PolicyInterface read_interface(const Table& table, const PlantSpec& spec) {
   return interface;
 }
 
-NamedUnits read_units(const Value* units, const PlantSpec& spec) {
+NamedUnits read_units(const Value* units, const Interface& spec) {
   NamedUnits named{std::vector<double>(spec.state.size(), 1.0), std::vector<GivenNumber>(spec.action.size())};
   if (units == nullptr) return named;
   const auto set_action = [&](std::size_t i, const Value& unit) {
@@ -269,7 +269,7 @@ NamedUnits read_units(const Value* units, const PlantSpec& spec) {
 }
 
 std::unique_ptr<Policy> translated_policy(std::unique_ptr<Policy> policy, const PolicyInterface& interface,
-                                          const PlantSpec& spec) {
+                                          const Interface& spec) {
   if (interface.observe.empty() && interface.act.empty()) return policy;
   return std::make_unique<TranslatedPolicy>(std::move(policy), interface, spec);
 }

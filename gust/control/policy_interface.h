@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gust/control/policy.h"
-#include "gust/sim/plant.h"
+#include "gust/sim/interface.h"
 
 namespace gust {
 
@@ -37,12 +37,12 @@ struct PolicyInterface {
   bool says_unit = false;               ///< whether `act` or `units` was given, be it the preset's own
 
   /// "observe …\nact …\n" with full precision; empty where nothing differs from gust's own way.
-  std::string canonical(const PlantSpec& spec) const;
+  std::string canonical(const Interface& spec) const;
 };
 
-/// What a policy may observe, by name: the states, then the references ahead of a plant that shows them ("x_ref",
+/// What a policy may observe, by name: what is measured, then the references ahead of a plant that shows them ("x_ref",
 /// "x_ref2", …).
-std::vector<Component> observed_components(const PlantSpec& spec);
+std::vector<Component> observed_components(const Interface& spec);
 
 /// Reads the keys `observe`, `act` and `units` of a table, those that are there:
 ///
@@ -55,11 +55,11 @@ std::vector<Component> observed_components(const PlantSpec& spec);
 /// physical units, of the actuator's upper bound.
 /// The observed number is scale * (component in the unit) + offset; a plain number is a constant. What the policy gives
 /// is scaled and offset first, then it is in the unit. Errors with their place.
-PolicyInterface read_interface(const Table& table, const PlantSpec& spec);
+PolicyInterface read_interface(const Table& table, const Interface& spec);
 
 /// The policy as the plant needs it: it sees what the interface says and its action is translated.
 std::unique_ptr<Policy> translated_policy(std::unique_ptr<Policy> policy, const PolicyInterface& interface,
-                                          const PlantSpec& spec);
+                                          const Interface& spec);
 
 /// The units in which a controller was tuned, by name of state and action.
 struct NamedUnits {
@@ -69,7 +69,7 @@ struct NamedUnits {
 
 /// Reads `units = { theta = "deg", force = "%" }`, or the one unit of all actions, "N"; what is not named is in SI
 /// units. Actions also take "normalised" and "%". Errors with their place.
-NamedUnits read_units(const Value* units, const PlantSpec& spec);
+NamedUnits read_units(const Value* units, const Interface& spec);
 
 /// What gust gives and takes, for people: "x [m], x_dot [m/s], …".
 std::string components_text(const std::vector<Component>& components);

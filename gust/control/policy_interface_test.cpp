@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "gust/sim/plant.h"
+
 using namespace gust;
 
 namespace {

@@ -28,8 +28,8 @@ struct CsvText {
 std::vector<std::string> csv_header(const CsvText& text);
 
 /// Reads the columns as finite numbers: columns x records. Other columns may hold anything. Throws Error for a column
-/// that is missing or there twice, a record with more or fewer cells than the header, a cell that is no finite number
-/// or wrong, a file that has not as many records as asked for, and whatever csv_header refuses.
+/// that is missing or there twice, a record with more or fewer cells than the header, a cell that is not a finite
+/// number or wrong, a file that has not as many records as asked for, and whatever csv_header refuses.
 Matrix<double> read_csv(const CsvText& text, const std::vector<CsvColumn>& columns, std::size_t records);
 
 }  // namespace gust

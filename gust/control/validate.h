@@ -10,7 +10,7 @@ struct Tolerances {
   double loop = 1e-10;  ///< at any step of a closed loop run from the first state on
 };
 
-/// An error, and the record in which it is the largest. What is no number counts as infinitely wrong.
+/// An error, and the record in which it is the largest. NaN counts as infinitely wrong.
 struct WorstError {
   double error = 0;
   std::size_t record = 0;

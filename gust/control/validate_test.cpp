@@ -150,7 +150,7 @@ TEST_CASE("rewards that are written as -J are compared with the same reward") {
   CHECK(validate(logarithm.read(), {}).fault == "");
 }
 
-TEST_CASE("tolerances decide, and a state that is no number never passes") {
+TEST_CASE("tolerances decide, and NaN in a state never passes") {
   RecordingText text = recording_text("d_cp_random_50_50");
   text.json = replaced(text.json, "\"gravity\": 9.8", "\"gravity\": 9.81");
   const Recording recording = text.read();

@@ -90,7 +90,7 @@ double csv_number(const std::string& cell, const std::string& place, std::string
   double number = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
   if (error != std::errc{} || end != cell.data() + cell.size())
-    throw Error(cat(place, ": '", cell, "' is no number (column '", column, "')"));
+    throw Error(cat(place, ": '", cell, "' is not a number (column '", column, "')"));
   return number;
 }
 

@@ -42,7 +42,7 @@ TEST_CASE("what is no CSV file is an error with its line") {
   wrong("a\n\"x\"y\n", "t.csv:2: a quoted cell goes on after its quote");
   const CsvTable table("level\n1\nhigh\n", "t.csv");
   CHECK_THROWS_WITH_AS(table.text(0, "levels"), "t.csv:1: there is no column 'levels'; did you mean 'level'?", Error);
-  CHECK_THROWS_WITH_AS(table.number(1, "level"), "t.csv:3: 'high' is no number (column 'level')", Error);
+  CHECK_THROWS_WITH_AS(table.number(1, "level"), "t.csv:3: 'high' is not a number (column 'level')", Error);
 }
 
 TEST_CASE("another separator, encoding, comment or header is told as what it is") {

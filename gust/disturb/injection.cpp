@@ -132,15 +132,23 @@ Site site_from(std::string_view name, const Place& place) {
   throw error_at(place, "unknown site '", name, "'", did_you_mean(name, names), "; sites are ", join(names, ", "));
 }
 
-const std::vector<Component>& channels_of(Site site, const PlantSpec& spec) {
+const std::vector<Component>& channels_of(Site site, const Interface& spec) {
   switch (site) {
     case Site::kObservation:
-      return spec.state;
+      return spec.measured();
     case Site::kAction:
       return spec.action;
     default:
       return spec.force;
   }
+}
+
+std::vector<std::string> sites_of(const Interface& spec) {
+  std::vector<std::string> names;
+  for (const Site site : kSites) {
+    if (!channels_of(site, spec).empty()) names.emplace_back(site_name(site));
+  }
+  return names;
 }
 
 std::string Injection::canonical() const {
@@ -167,7 +175,7 @@ std::string together_complaint(std::span<const Injection> injections) {
   return {};
 }
 
-Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also) {
+Injection read_injection(const Table& table, const Interface& spec, const std::vector<std::string>& also) {
   std::vector<std::string> known = {"site", "waveform", "effect", "channels", "mask", "start", "end", "level"};
   known.insert(known.end(), also.begin(), also.end());
   check_keys(table, known, "a disturbance");
@@ -178,6 +186,9 @@ Injection read_injection(const Table& table, const PlantSpec& spec, const std::v
   injection.site = site_from(site->as_text("site"), site->place);
   read_shape(table, injection);
   const std::vector<std::string> names = names_of(channels_of(injection.site, spec));
+  if (names.empty())
+    throw error_at(site->place, "the plant has no site '", site_name(injection.site), "'; its sites are ",
+                   join(sites_of(spec), ", "));
   injection.factors.assign(names.size(), 1.0);
   for (const char* key : {"channels", "mask"}) {
     const Value* channels = table.find(key);
@@ -206,7 +217,7 @@ Injection read_injection(const Table& table, const PlantSpec& spec, const std::v
   return injection;
 }
 
-Signals::Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode, const WaveHistory& history)
+Signals::Signals(std::span<const Injection> injections, const Interface& spec, Rng episode, const WaveHistory& history)
     : length_(static_cast<std::size_t>(spec.steps) + 1) {
   std::size_t channels = 0;
   for (const Injection& injection : injections) {

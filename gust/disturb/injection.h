@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "gust/core/catalog.h"
 #include "gust/disturb/effect.h"
 #include "gust/disturb/waveform.h"
-#include "gust/sim/plant.h"
+#include "gust/sim/interface.h"
 
 namespace gust {
 
@@ -20,8 +21,12 @@ inline constexpr Site kSites[] = {Site::kObservation, Site::kAction, Site::kDyna
 std::string_view site_name(Site site);
 Site site_from(std::string_view name, const Place& place);
 
-/// The components that a site disturbs: the state part of the observation, the physical action, the external force.
-const std::vector<Component>& channels_of(Site site, const PlantSpec& spec);
+/// The components that a site disturbs: what is measured, the physical action, the external force.
+/// Empty if there is no such site.
+const std::vector<Component>& channels_of(Site site, const Interface& spec);
+
+/// The names of the sites that there are.
+std::vector<std::string> sites_of(const Interface& spec);
 
 /// A disturbance at a site: a waveform that is added or an effect that maps the signal; which channels, how strongly,
 /// and during which control steps.
@@ -61,7 +66,7 @@ std::string together_complaint(std::span<const Injection> injections);
 
 /// Reads site, waveform or effect, channels or mask, start, end and level from a table. Keys that are not its own must
 /// be named in `also`.
-Injection read_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also = {});
+Injection read_injection(const Table& table, const Interface& spec, const std::vector<std::string>& also = {});
 
 class Signals;
 
@@ -81,7 +86,7 @@ struct WaveHistory {
 class Signals {
  public:
   /// Streams are named by site, position among the injections of that site, and channel: nothing else moves them.
-  Signals(std::span<const Injection> injections, const PlantSpec& spec, Rng episode, const WaveHistory& history = {});
+  Signals(std::span<const Injection> injections, const Interface& spec, Rng episode, const WaveHistory& history = {});
 
   /// The values of one channel, steps + 1 of them.
   const double* channel(std::size_t injection, std::size_t channel) const {
@@ -103,7 +108,7 @@ bool all_scale(std::span<const Injection> injections);
 class SignalSequence {
  public:
   /// The injections and the spec must outlive it. One level an injection.
-  SignalSequence(std::span<const Injection> injections, const PlantSpec& spec, std::vector<double> levels, Rng episodes)
+  SignalSequence(std::span<const Injection> injections, const Interface& spec, std::vector<double> levels, Rng episodes)
       : injections_(injections), spec_(spec), levels_(std::move(levels)), episodes_(episodes) {}
 
   /// The signals of an episode; null without injections. Later episodes cost least if asked for in order.
@@ -111,7 +116,7 @@ class SignalSequence {
 
  private:
   std::span<const Injection> injections_;
-  const PlantSpec& spec_;
+  const Interface& spec_;
   std::vector<double> levels_;
   Rng episodes_;
   std::shared_ptr<const Signals> last_;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "gust/disturb/waveform_fixture_test.h"
+#include "gust/sim/plant.h"
 
 using namespace gust;
 

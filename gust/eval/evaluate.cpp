@@ -1,7 +1,5 @@
 #include "gust/eval/evaluate.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 
@@ -11,7 +9,7 @@ namespace {
 Rng episode_streams(const Evaluation& evaluation) { return evaluation.root.split("evaluation"); }
 
 SignalSequence sequence_of(const Evaluation& evaluation, std::size_t cell) {
-  return {evaluation.injections, evaluation.plant->spec(), evaluation.cells[cell].levels, episode_streams(evaluation)};
+  return {evaluation.injections, evaluation.source->spec(), evaluation.cells[cell].levels, episode_streams(evaluation)};
 }
 
 /// The disturbances of each episode, drawn when first asked for: of all cells at once where levels scale them.
@@ -59,18 +57,13 @@ bool repeats(const Evaluation& evaluation, std::size_t start) {
 /// Runs these episodes side by side to the end of the horizon.
 std::vector<Episode> run_batch(const Evaluation& evaluation, Policy& policy, SignalStore& signals,
                                std::span<const EpisodeIndex> indices) {
-  const PlantSpec& spec = evaluation.plant->spec();
-  ClosedLoop loop(*evaluation.plant, evaluation.readings, evaluation.injections, indices.size());
-  EpisodeMeter meter(spec, indices.size());
-  Matrix<double> action(spec.action.size(), indices.size());
-  for (std::size_t lane = 0; lane < indices.size(); ++lane) {
-    loop.begin(lane, start_of(evaluation, indices[lane], signals));
-  }
-  for (std::int64_t k = 0; k < spec.steps; ++k) {
-    policy.act(loop.observation(), loop.steps_done(), action.view());
-    loop.step(action.view());
-    meter.record(loop);
-  }
+  const std::unique_ptr<Loop> loop = evaluation.source->make(evaluation.injections, indices.size());
+  EpisodeMeter meter(loop->spec(), indices.size());
+  std::vector<EpisodeStart> starts;
+  for (const EpisodeIndex& index : indices) starts.push_back(start_of(evaluation, index, signals));
+  run_episodes(*loop, policy, starts, [&](std::int64_t steps) {
+    if (steps > 0) meter.record(loop->record());
+  });
   std::vector<Episode> episodes;
   for (std::size_t lane = 0; lane < indices.size(); ++lane) episodes.push_back(meter.episode(lane));
   return episodes;
@@ -109,9 +102,7 @@ void evaluate(const Evaluation& evaluation, Policy& policy,
 }
 
 std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex& index) {
-  const StartProtocol& protocol = evaluation.starts[index.start];
-  if (!protocol.random) return protocol.state;
-  return random_start(evaluation.plant->spec(), episode_stream(evaluation, index.episode));
+  return evaluation.source->start_state(evaluation.starts[index.start], episode_stream(evaluation, index.episode));
 }
 
 std::optional<NotFiniteAction> not_finite_action(const Evaluation& evaluation, const EpisodeIndex& index,
@@ -126,60 +117,32 @@ std::shared_ptr<const Signals> episode_signals(const Evaluation& evaluation, con
 }
 
 Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeIndex& index) {
-  const PlantSpec& spec = evaluation.plant->spec();
-  const auto steps = static_cast<std::size_t>(spec.steps);
   SignalStore signals(evaluation);
-  ClosedLoop loop(*evaluation.plant, evaluation.readings, evaluation.injections, 1);
-  Matrix<double> action(spec.action.size(), 1);
+  const EpisodeStart start = start_of(evaluation, index, signals);
+  const std::unique_ptr<Loop> loop = evaluation.source->make(evaluation.injections, 1);
+  const auto steps = static_cast<std::size_t>(loop->spec().steps);
   Trace trace;
   trace.index = index;
-  trace.state = Matrix<double>(spec.state.size(), steps + 1);
-  trace.observation = Matrix<double>(spec.observations(), steps + 1);
-  trace.commanded = trace.disturbed = trace.applied = Matrix<double>(spec.action.size(), steps);
-  trace.force = Matrix<double>(spec.force.size(), steps);
   trace.memory_of = policy.memory();
-  trace.memory = Matrix<double>(trace.memory_of.size(), steps);
-
-  const auto keep = [](Matrix<double>& to, Rows<const double> from, std::size_t column) {
+  const auto keep = [](Matrix<double>& to, Rows<const double> from, std::size_t column, std::size_t columns) {
+    if (column == 0) to = Matrix<double>(from.rows, columns);
     for (std::size_t i = 0; i < from.rows; ++i) to.at(i, column) = from.at(i, 0);
   };
-  loop.begin(0, start_of(evaluation, index, signals));
-  keep(trace.state, loop.state(), 0);
-  keep(trace.observation, loop.observation(), 0);
-  for (std::size_t k = 0; k < steps; ++k) {
-    policy.act(loop.observation(), loop.steps_done(), action.view());
-    keep(trace.memory, policy.remembered(), k);
-    loop.step(action.view());
-    keep(trace.state, loop.state(), k + 1);
-    keep(trace.observation, loop.observation(), k + 1);
-    keep(trace.commanded, loop.commanded(), k);
-    keep(trace.disturbed, loop.disturbed(), k);
-    keep(trace.applied, loop.applied(), k);
-    keep(trace.force, loop.force(), k);
-    trace.reward.push_back(loop.reward()[0]);
-    if (loop.failed(0) && trace.failed_at < 0) trace.failed_at = static_cast<std::int64_t>(k) + 1;
-  }
+  run_episodes(*loop, policy, {&start, 1}, [&](std::int64_t done) {
+    const StepRecord record = loop->record();
+    const auto now = static_cast<std::size_t>(done);
+    keep(trace.state, record.state, now, steps + 1);
+    keep(trace.observation, loop->observation(), now, steps + 1);
+    if (done == 0) return;
+    keep(trace.commanded, record.commanded, now - 1, steps);
+    keep(trace.disturbed, record.disturbed, now - 1, steps);
+    keep(trace.applied, record.applied, now - 1, steps);
+    keep(trace.force, record.force, now - 1, steps);
+    keep(trace.memory, policy.remembered(), now - 1, steps);
+    trace.reward.push_back(record.reward[0]);
+    if (trace.failed_at < 0 && !record.failed.empty() && record.failed[0] != 0) trace.failed_at = done;
+  });
   return trace;
-}
-
-StartProtocol nominal_start(const PlantSpec& spec) { return {"nominal", false, spec.start}; }
-StartProtocol random_starts() { return {"random", true, {}}; }
-
-std::string start_complaint(const StartProtocol& start, const PlantSpec& spec) {
-  for (std::size_t i = 0; start.random && i < spec.state.size(); ++i) {
-    const double middle = spec.start[i] + spec.start_offset[i], range = spec.start_range[i];
-    if (middle + range >= spec.fail_low[i] && middle - range <= spec.fail_high[i]) continue;
-    return fmt::format("random starts have {} = {:.4g} to {:.4g}, outside the safe set, {:.4g} to {:.4g} {}",
-                       spec.state[i].name, middle - range, middle + range, spec.fail_low[i], spec.fail_high[i],
-                       spec.state[i].unit);
-  }
-  for (std::size_t i = 0; i < start.state.size(); ++i) {
-    if (start.state[i] >= spec.fail_low[i] && start.state[i] <= spec.fail_high[i]) continue;
-    return fmt::format(
-        "{} = {} lies outside the safe set, {:.4g} to {:.4g} {}: the episode would fail before its first step",
-        spec.state[i].name, start.state[i], spec.fail_low[i], spec.fail_high[i], spec.state[i].unit);
-  }
-  return "";
 }
 
 }  // namespace gust

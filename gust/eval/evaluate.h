@@ -4,27 +4,19 @@
 #include <span>
 
 #include "gust/control/episode.h"
-#include "gust/control/policy.h"
+#include "gust/control/loop_source.h"
 
 namespace gust {
 
-/// One cell of a sweep: how strong each injection is and what the plant's parameters are.
+/// One cell of a sweep: how strong each injection is and what the parameters are.
 struct SweepCell {
   std::vector<double> levels;      ///< one per injection
-  std::vector<double> parameters;  ///< in the order of the plant's spec
+  std::vector<double> parameters;  ///< in the order of the interface
 };
 
-/// Where the episodes of an evaluation begin.
-struct StartProtocol {
-  std::string name;           ///< "nominal", "random", or the text of an explicit state
-  bool random = false;        ///< drawn from the training distribution, seeded by the number of the episode
-  std::vector<double> state;  ///< if not random
-};
-
-/// What to measure: every cell from every start, `episodes` times. The plant and the injections must outlive it.
+/// What to measure: every cell from every start, `episodes` times. The source and the injections must outlive it.
 struct Evaluation {
-  const Plant* plant = nullptr;
-  Readings readings;
+  const LoopSource* source = nullptr;
   std::span<const Injection> injections;
   std::vector<SweepCell> cells;
   std::vector<StartProtocol> starts;
@@ -47,7 +39,7 @@ struct EpisodeIndex {
 void evaluate(const Evaluation& evaluation, Policy& policy,
               const std::function<void(const EpisodeIndex&, const Episode&)>& take, std::size_t lanes = 256);
 
-/// The true state in which an episode of an evaluation begins.
+/// EpisodeStart::state of an episode of an evaluation: of a plant the true state in which it begins.
 std::vector<double> start_state(const Evaluation& evaluation, const EpisodeIndex& index);
 
 /// The first action of an episode that was NaN or infinite, with the state in which it was given.
@@ -57,7 +49,8 @@ std::optional<NotFiniteAction> not_finite_action(const Evaluation& evaluation, c
 /// What disturbs an episode of an evaluation, to be multiplied by Injection::factor(level); null if nothing does.
 std::shared_ptr<const Signals> episode_signals(const Evaluation& evaluation, const EpisodeIndex& index);
 
-/// Everything that happened in one episode, step by step; columns are control steps.
+/// Everything that happened in one episode, step by step; columns are control steps. What the loop does not tell has no
+/// rows.
 struct Trace {
   EpisodeIndex index;
   Matrix<double> state;        ///< before step 0 and after every step: horizon + 1 columns
@@ -71,12 +64,5 @@ struct Trace {
 
 /// Runs one episode of an evaluation again and keeps all of it.
 Trace trace_episode(const Evaluation& evaluation, Policy& policy, const EpisodeIndex& index);
-
-/// The protocols that a study names: the preset's start and draws from the training distribution.
-StartProtocol nominal_start(const PlantSpec& spec);
-StartProtocol random_starts();
-
-/// Why no episode can begin there: a component of the state outside the plant's safe set; empty if all lie inside.
-std::string start_complaint(const StartProtocol& start, const PlantSpec& spec);
 
 }  // namespace gust

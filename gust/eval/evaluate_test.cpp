@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "gust/control/plant_loops.h"
+
 namespace gust {
 namespace {
 
@@ -22,14 +24,15 @@ Table noise() {
 struct Scene {
   Made<Plant> plant = cartpole();
   std::vector<Injection> injections = {read_injection(noise(), plant->spec())};
+  PlantLoops loops{plant.object, {}};
   Evaluation evaluation;
 
   Scene() {
-    evaluation.plant = plant.object.get();
+    evaluation.source = &loops;
     evaluation.injections = injections;
     const std::vector<double> parameters = nominal_parameters(plant->spec());
     evaluation.cells = {{{0.5}, parameters}, {{2.0}, parameters}};
-    evaluation.starts = {nominal_start(plant->spec()), random_starts()};
+    evaluation.starts = loops.starts();
     evaluation.episodes = 5;
     evaluation.root = Rng(11);
   }

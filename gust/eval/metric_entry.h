@@ -8,7 +8,7 @@
 namespace gust {
 
 /// The metric of a struct with `static constexpr MetricTraits kTraits` and `double value(const Episode&) const`. It is
-/// one of all plants, or of those that `static bool applies(const PlantSpec&)` names. With `static constexpr Quotient
+/// one of all plants, or of those that `static bool applies(const Interface&)` names. With `static constexpr Quotient
 /// kQuotient` it is a quotient of means.
 template <class Options>
 class OptionsMetric final : public Metric {
@@ -20,7 +20,7 @@ class OptionsMetric final : public Metric {
     return std::nullopt;
   }
   const MetricTraits& traits() const override { return Options::kTraits; }
-  bool applies(const PlantSpec& spec) const override {
+  bool applies(const Interface& spec) const override {
     if constexpr (requires { Options::applies(spec); }) return Options::applies(spec);
     return true;
   }
@@ -45,7 +45,7 @@ inline double rmse_masked(const EpisodePart& part) { return std::sqrt(part.squar
 inline double root_sum(const EpisodePart& part) { return std::sqrt(part.squared_error); }
 
 /// Whether a plant's state has a component of this name at a position.
-inline bool has_state(const PlantSpec& spec, std::size_t component, std::string_view name) {
+inline bool has_state(const Interface& spec, std::size_t component, std::string_view name) {
   return component < spec.state.size() && spec.state[component].name == name;
 }
 

@@ -77,7 +77,7 @@ TEST_CASE("an episode that stands to the horizon survives, and its length is the
   CHECK(value_of("anr", episode) == value_of("anr_h", episode));
 }
 
-TEST_CASE("a largest of numbers that are none is none, and a later step does not change that of an earlier end") {
+TEST_CASE("the largest of NaN is NaN, and a later step does not change that of an earlier end") {
   Episode episode = fallen();
   episode.finite = false;
   episode.whole.squared_error = std::numeric_limits<double>::quiet_NaN();
@@ -114,6 +114,38 @@ TEST_CASE("quotients of means divide metrics of an episode, and all others are s
 TEST_CASE("an unknown metric is an error with the nearest name") {
   CHECK_THROWS_WITH_AS(MetricSet().index("survivel", {"study.toml", 3, 4}),
                        doctest::Contains("study.toml:3:4: unknown metric 'survivel'; did you mean 'survival'?"), Error);
+}
+
+TEST_CASE("a loop that tells rewards alone has the metrics of rewards and of the length") {
+  Interface spec;
+  spec.tells_effort = spec.fails = spec.goes_on = false;
+  const MetricSet metrics(spec);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < metrics.size(); ++i) names.push_back(metrics.name(i));
+  std::ranges::sort(names);
+
+  CHECK(names == std::vector<std::string>{"anr", "anr_h", "anr_pooled", "length", "return_sum"});
+  CHECK_FALSE(metrics.first(MetricRole::survival));
+  CHECK(metrics.name_of(MetricRole::survival).empty());
+  CHECK_THROWS_WITH_AS(
+      metrics.index("rmse_paper", {"s.toml", 1, 2}),
+      "s.toml:1:2: the metric 'rmse_paper' is not applicable: the plant tells no goal, nothing after a "
+      "failure",
+      Error);
+}
+
+TEST_CASE("the axis of a mean of rewards is the range of a reward, where it has one") {
+  const MetricSet metrics;
+  const MetricTraits& mean = metrics[metrics.index("anr_h", {})].traits();
+  const MetricTraits& share = metrics[metrics.index("saturation", {})].traits();
+  Interface spec;
+
+  CHECK(axis_of(mean, spec).high == 1);
+  spec.reward = {-16.5, 0};
+  CHECK(axis_of(mean, spec).low == -16.5);
+  spec.reward = {};
+  CHECK(std::isnan(axis_of(mean, spec).low));
+  CHECK(axis_of(share, spec).high == 1);
 }
 
 }  // namespace

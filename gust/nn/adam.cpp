@@ -44,9 +44,9 @@ void adam_move(const AdamStep<T>& step, AdamPart<T> part) noexcept {
 }
 
 template <class T>
-void adam_move(const AdamStep<T>& step, AdamPart<T> part, Follower<T> follower) noexcept {
-  T* __restrict target = follower.target.data();
-  const T share = follower.share;
+void adam_move(const AdamStep<T>& step, AdamPart<T> part, TargetNetwork<T> target_network) noexcept {
+  T* __restrict target = target_network.target.data();
+  const T share = target_network.share;
   move_all(step, part, [=](std::size_t i, T p) { target[i] = fused(share, p - target[i], target[i]); });
 }
 
@@ -75,8 +75,8 @@ template struct AdamStep<float>;
 template struct AdamStep<double>;
 template void adam_move(const AdamStep<float>&, AdamPart<float>) noexcept;
 template void adam_move(const AdamStep<double>&, AdamPart<double>) noexcept;
-template void adam_move(const AdamStep<float>&, AdamPart<float>, Follower<float>) noexcept;
-template void adam_move(const AdamStep<double>&, AdamPart<double>, Follower<double>) noexcept;
+template void adam_move(const AdamStep<float>&, AdamPart<float>, TargetNetwork<float>) noexcept;
+template void adam_move(const AdamStep<double>&, AdamPart<double>, TargetNetwork<double>) noexcept;
 template void adam_step(const AdamOptions&, AdamState<float>&, std::span<float>, std::span<float>) noexcept;
 template void adam_step(const AdamOptions&, AdamState<double>&, std::span<double>, std::span<double>) noexcept;
 template void clip_norm(std::span<const std::span<float>>, double) noexcept;

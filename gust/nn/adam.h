@@ -54,14 +54,14 @@ void adam_move(const AdamStep<T>& step, AdamPart<T> part) noexcept;
 
 /// What follows some parameters slowly: target = target + share (parameters - target).
 template <class T>
-struct Follower {
+struct TargetNetwork {
   std::span<T> target;
   T share;
 };
 
-/// The same, and after it the follower's step towards the new parameters, in one pass over the memory.
+/// The same, and after it the target network's step towards the new parameters, in one pass over the memory.
 template <class T>
-void adam_move(const AdamStep<T>& step, AdamPart<T> part, Follower<T> follower) noexcept;
+void adam_move(const AdamStep<T>& step, AdamPart<T> part, TargetNetwork<T> target_network) noexcept;
 
 /// One step of all parameters along a gradient, which is cleared for the next sum.
 template <class T>

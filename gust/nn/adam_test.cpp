@@ -69,7 +69,7 @@ TEST_CASE("8.4.4 what follows a constant source is off by (1 - share) to the num
   }
 }
 
-TEST_CASE("a step in parts, with a follower, moves the parameters as a whole step does") {
+TEST_CASE("a step in parts, with a target network, moves the parameters as a whole step does") {
   constexpr std::size_t kCount = 50;
   std::vector<float> whole(kCount), parts(kCount), target(kCount, 0.5f);
   std::vector<float> gradient(kCount), same_gradient(kCount);

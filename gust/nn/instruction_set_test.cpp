@@ -43,7 +43,7 @@ std::string trained_bits(const MlpShape& shape) {
 /// The same of a network in tiles.
 std::string tiled_bits(const MlpShape& shape) {
   constexpr std::size_t kLanes = 100;
-  TrainedMlp<float> network(shape, kLanes, {.first = 0, .count = 1}, TrainedMlp<float>::Follower::kYes);
+  TrainedMlp<float> network(shape, kLanes, {.first = 0, .count = 1}, TrainedMlp<float>::Target::kYes);
   initialise_uniform(network.mlp(), Rng(9));
   Tiles<float> x(kLanes, shape.inputs()), dy(kLanes, shape.outputs());
   float slope = 0.0f;
@@ -57,7 +57,7 @@ std::string tiled_bits(const MlpShape& shape) {
     network.step({}, dy, 0.1f);
   }
   std::string bytes(reinterpret_cast<const char*>(&slope), sizeof slope);
-  for (const Mlp<float>* mlp : {&std::as_const(network).mlp(), &network.follower()})
+  for (const Mlp<float>* mlp : {&std::as_const(network).mlp(), &network.target()})
     bytes.append(reinterpret_cast<const char*>(mlp->parameters().data()), mlp->parameters().size_bytes());
   return hash_hex(bytes);
 }

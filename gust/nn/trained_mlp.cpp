@@ -6,9 +6,9 @@
 namespace gust {
 template <class T>
 TrainedMlp<T>::TrainedMlp(const MlpShape& shape, std::size_t lanes, typename TiledMlp<T>::InputRange wanted,
-                          Follower follower)
+                          Target target)
     : mlp_(shape), adam_(mlp_.parameters().size()), tiled_(shape, lanes, wanted) {
-  if (follower == Follower::kYes) follower_ = mlp_;
+  if (target == Target::kYes) target_ = mlp_;
   std::size_t largest = 0;
   for (std::size_t layer = 0; layer < shape.layers(); ++layer) largest = std::max(largest, mlp_.parameters_of(layer));
   gradient_.resize(largest);
@@ -30,7 +30,7 @@ void TrainedMlp<T>::step(const AdamOptions& options, const Tiles<T>& at_output, 
     tiled_.backward_layer(mlp_, layer, gradient);
     const auto part = [&](auto&& all) { return std::span(all).subspan(first, count); };
     const AdamPart<T> moved = {part(mlp_.parameters()), gradient, part(adam_.first), part(adam_.second)};
-    follower_ ? adam_move<T>(step, moved, {part(follower_->parameters()), share}) : adam_move<T>(step, moved);
+    target_ ? adam_move<T>(step, moved, {part(target_->parameters()), share}) : adam_move<T>(step, moved);
   }
 }
 

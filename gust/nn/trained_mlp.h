@@ -7,28 +7,29 @@
 
 namespace gust {
 
-/// A network that learns from batches in tiles, with its optimiser and, where it has one, a slow copy that follows it.
-/// A layer's gradient is consumed as soon as it is known: one pass moves its parameters, their moments and the copy.
+/// A network that learns from batches in tiles, with its optimiser and, where it has one, a target network that follows
+/// it. A layer's gradient is consumed as soon as it is known: one pass moves its parameters, their moments and the
+/// copy.
 template <class T>
 class TrainedMlp {
  public:
-  enum class Follower { kNo, kYes };
+  enum class Target { kNo, kYes };
 
-  TrainedMlp(const MlpShape& shape, std::size_t lanes, typename TiledMlp<T>::InputRange wanted, Follower follower);
+  TrainedMlp(const MlpShape& shape, std::size_t lanes, typename TiledMlp<T>::InputRange wanted, Target target);
 
   Mlp<T>& mlp() { return mlp_; }
   const Mlp<T>& mlp() const { return mlp_; }
   /// What follows the network; it starts equal to it when start() is called.
-  const Mlp<T>& follower() const { return *follower_; }
+  const Mlp<T>& target() const { return *target_; }
   /// To be called when the network has its first parameters.
   void start() {
-    if (follower_) follower_ = mlp_;
+    if (target_) target_ = mlp_;
   }
   bool finite() const;
 
   const Tiles<T>& forward(const Tiles<T>& input) noexcept { return tiled_.forward(mlp_, input); }
   /// Of the copy; forgets the last forward.
-  const Tiles<T>& forward_follower(const Tiles<T>& input) noexcept { return tiled_.forward(*follower_, input); }
+  const Tiles<T>& forward_target(const Tiles<T>& input) noexcept { return tiled_.forward(*target_, input); }
   const Tiles<T>& backward_to_input(const Tiles<T>& at_output) noexcept {
     return tiled_.backward_to_input(mlp_, at_output);
   }
@@ -39,7 +40,7 @@ class TrainedMlp {
   template <class Archive, class Self>
   static void archive(Archive& archive, Self& self) {
     archive.block(self.mlp_.parameters());
-    if (self.follower_) archive.block(self.follower_->parameters());
+    if (self.target_) archive.block(self.target_->parameters());
     archive.block(std::span(self.adam_.first));
     archive.block(std::span(self.adam_.second));
     archive.number(self.adam_.beta1_power);
@@ -48,7 +49,7 @@ class TrainedMlp {
 
  private:
   Mlp<T> mlp_;
-  std::optional<Mlp<T>> follower_;
+  std::optional<Mlp<T>> target_;
   AdamState<T> adam_;
   TiledMlp<T> tiled_;
   Buffer<T> gradient_;  // of one layer

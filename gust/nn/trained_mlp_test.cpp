@@ -22,7 +22,7 @@ Tiles<double> draws(std::size_t features, std::uint64_t seed) {
 }
 
 TrainedMlp<double> drawn_network() {
-  TrainedMlp<double> network(kShape, kLanes, {}, TrainedMlp<double>::Follower::kYes);
+  TrainedMlp<double> network(kShape, kLanes, {}, TrainedMlp<double>::Target::kYes);
   initialise_uniform(network.mlp(), Rng(2));
   network.start();
   return network;
@@ -38,7 +38,7 @@ TEST_CASE("a step layer by layer is a step of Adam along the whole gradient, and
   Buffer<double> gradient(plain.parameters().size());
   const Tiles<double> input = draws(3, 5), at_output = draws(2, 6);
   for (int step = 0; step < 5; ++step) {
-    const Mlp<double> follower = network.follower();
+    const Mlp<double> target = network.target();
     network.forward(input);
     network.step({}, at_output, 0.25);
     tiled.forward(plain, input);
@@ -47,13 +47,13 @@ TEST_CASE("a step layer by layer is a step of Adam along the whole gradient, and
 
     CHECK(std::ranges::equal(network.mlp().parameters(), plain.parameters()));
     for (std::size_t i = 0; i < plain.parameters().size(); ++i) {
-      const double expected = 0.75 * follower.parameters()[i] + 0.25 * plain.parameters()[i];
-      CHECK(std::abs(network.follower().parameters()[i] - expected) < 1e-15);
+      const double expected = 0.75 * target.parameters()[i] + 0.25 * plain.parameters()[i];
+      CHECK(std::abs(network.target().parameters()[i] - expected) < 1e-15);
     }
   }
 }
 
-TEST_CASE("a network that is no number is found out") {
+TEST_CASE("NaN in a network is found") {
   TrainedMlp<double> network = drawn_network();
   CHECK(network.finite());
   network.mlp().bias(1, 3) = NAN;

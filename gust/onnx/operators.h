@@ -9,7 +9,7 @@
 
 namespace gust {
 
-/// One operator of ONNX: how many inputs it takes, and what it becomes. `lower` reads the node at hand and sets its
+/// One operator of ONNX: how many inputs it takes, and its result. `lower` reads the node at hand and sets its
 /// outputs; it may take the inputs up to `least_inputs` for present.
 struct OnnxOperator {
   std::string_view name;

@@ -39,7 +39,7 @@ void lower_dropout(OnnxLowering& at) {
 OnnxValue as_integers(OnnxLowering& at, const OnnxTensor& from) {
   OnnxTensor tensor{.dims = from.dims, .floats = {}, .integers = {}, .integral = true};
   for (const float value : from.floats) {
-    if (!(std::fabs(value) < 0x1p62f)) at.fail("casts a number to an integer that is none");
+    if (!(std::fabs(value) < 0x1p62f)) at.fail("casts a number to an integer that there is not");
     tensor.integers.push_back(static_cast<std::int64_t>(value));
   }
   return at.constant(std::move(tensor));
@@ -139,7 +139,7 @@ void infer_size(const OnnxLowering& at, OnnxDims& dims, std::size_t begin, std::
   std::int64_t known = 1;
   std::int64_t* open = nullptr;
   for (std::size_t i = begin; i < dims.size(); ++i) {
-    if (dims[i] < -1 || (dims[i] == -1 && open != nullptr)) at.fail("asks for a shape that is none");
+    if (dims[i] < -1 || (dims[i] == -1 && open != nullptr)) at.fail("asks for an impossible shape");
     if (dims[i] == -1) {
       open = &dims[i];
     } else {
@@ -170,7 +170,7 @@ void lower_reshape(OnnxLowering& at) {
   OnnxDims dims = with_copied_sizes(at, from.dims, at.integers(1, "shape"));
   const bool literal = at.has_input(1) && at.input(1).literal;
   if (literal && std::ranges::count(at.integers(1, "shape"), -1) > 1)
-    at.fail("asks for a shape that is none: two of its sizes are -1");
+    at.fail("asks for an impossible shape: two of its sizes are -1");
   if (dims.size() > static_cast<std::size_t>(kOnnxRank)) at.fail("asks for a shape of too many dimensions");
   const auto batch = std::find(from.dims.begin(), from.dims.end(), kOnnxBatch);
   if (batch == from.dims.end()) {

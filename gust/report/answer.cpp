@@ -133,10 +133,15 @@ std::string not_ranked(const Page& page, std::size_t start) {
 /// The smallest margin on each site: "On the action site the first to fall is ppo, under "a step" at 11.8 N."
 std::string first_to_fall(const Page& page, const std::string& site, std::size_t start) {
   const Page::Margin* first = nullptr;
+  std::size_t asked = 0, known = 0;
   for (const auto& margin : page.margins) {
-    if (margin.start != start || page.sweeps[margin.sweep].site != site || std::isnan(margin.level.value)) continue;
+    if (margin.start != start || page.sweeps[margin.sweep].site != site) continue;
+    ++asked;
+    if (std::isnan(margin.level.value)) continue;
+    ++known;
     if (!margin.censored && (!first || margin.level.value < first->level.value)) first = &margin;
   }
+  if (asked > 0 && known == 0) return cat("On the <b>", escaped(site), "</b> site no policy has a margin.");
   if (!first)
     return cat("On the <b>", escaped(site), "</b> site nothing on the grid costs more than ",
                percent(1 - page.margin_share), " of the score.");

@@ -91,6 +91,15 @@ TEST_CASE("the answer ranks the policies, then names the first to fall on each s
   CHECK(answer_html(page, 2).empty());
 }
 
+TEST_CASE("a site where no policy has a margin is not said to cost little") {
+  Page page = two_policies();
+  page.margins = {{0, 0, 0, {}, false, -3.5, "–"}, {0, 1, 0, {}, false, -2.5, "–"}};
+
+  const auto sentences = answer_html(page, 0);
+
+  CHECK(sentences[0] == "On the <b>action</b> site no policy has a margin.");
+}
+
 TEST_CASE("a policy that is far from the best undisturbed is not ranked, and that is said") {
   Page page = two_policies();
   page.margins = {{0, 0, 0, {4, 4, 4}, false, 0.98}, {0, 1, 0, {6, 5, 7}, false, 0.3}};
@@ -124,7 +133,7 @@ TEST_CASE("a margin is told with its unit and interval, and one beyond the grid 
   CHECK(html_of({0, 1, 0, {10, 10, kInfinity}, true, 1}) == "≥ 10&nbsp;N");
 }
 
-TEST_CASE("what stands for a margin that is no number is told as it is, without a unit") {
+TEST_CASE("the text in place of a margin is told as it is, without a unit") {
   Page page = two_policies();
   page.margins = {{0, 0, 0, {}, false, 0.1, "– (fails undisturbed)"}};
 

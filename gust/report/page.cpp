@@ -86,7 +86,7 @@ std::string facts_line(const Page& page) {
                                     counted(page.sweeps.size(), "sweep", "sweeps")};
   if (!page.episodes.empty()) parts.push_back(counted(page.episodes.size(), "kept episode", "kept episodes"));
   if (!page.claims.empty()) {
-    const auto held = std::ranges::count(page.claims, Page::Verdict::kHolds, &Page::Claim::verdict);
+    const auto held = std::ranges::count(page.claims, Ruling::holds, &Page::Claim::verdict);
     parts.push_back(cat(held, " of ", counted(page.claims.size(), "claim holds", "claims hold")));
   }
   return join(parts, " · ");

@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "gust/stats/claim.h"
+#include "gust/stats/compare.h"
+
 namespace gust {
 
 /// Everything that a report shows, as plain data; the study fills it in, render_page draws it.
@@ -89,13 +92,12 @@ struct Page {
 
   /// Policy a against b on the same episodes, along a sweep.
   struct Comparison {
-    enum class Standing { kAhead, kBehind, kUndecided };
     std::size_t a = 0;
     std::size_t b = 0;
     std::size_t start = 0;
     std::size_t sweep = kNone;  // kNone: undisturbed, or a grid
     std::string name;           // of the sweep, "undisturbed"
-    Standing standing = Standing::kUndecided;
+    Standing standing = Standing::undecided;
     Estimate difference;           // of the mean score over the levels
     Estimate ratio;                // of margins; a's over b's
     double ratio_most = kUnknown;  // where the ratio is known as a bound only, the greatest that it may be
@@ -105,14 +107,12 @@ struct Page {
     bool few_seeds = false;        // too few of them to decide anything
   };
 
-  enum class Verdict { kHolds, kFails, kUndecided };
-
   struct Claim {
     std::string id;
     std::string text;
     std::string condition;  // "survival >= 0.95"
     std::string measured;   // "1.00 [0.87, 1.00]"
-    Verdict verdict = Verdict::kUndecided;
+    Ruling verdict = Ruling::undecided;
     bool required = false;
   };
 
@@ -177,6 +177,7 @@ struct Page {
     std::vector<std::pair<std::string, double>> geometry;  // pole_length (half) [m], x_limit [m], action_limit [N]
     double rate = 50.0;                                    // control steps a second
     std::vector<Trace> states;                             // the true ones; cart-pole: x, x_dot, theta, theta_dot
+    bool observed = false;                                 // nobody knows them: these are what the policy saw
     std::vector<Trace> reference;                          // what a moving reference asked for; like states, or empty
     std::vector<Trace> commanded;                          // actions of the policy, physical units
     std::vector<Trace> applied;                            // after disturbance and saturation

@@ -107,6 +107,7 @@ std::string episode_json(const Page::Episode& episode, std::size_t number) {
   }
   json.close(']').key("reward").numbers(episode.reward);
   if (episode.failed_step != Page::kNone) json.key("failed").index(episode.failed_step);
+  if (episode.observed) json.key("observed").index(1);
   if (episode.touched_ground) json.key("ground").index(1);
   return json.key("failure").text(episode.failure).close('}').take();
 }

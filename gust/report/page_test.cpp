@@ -83,7 +83,7 @@ TEST_CASE("hostile texts stay texts wherever they are shown") {
   page.policies[0] = {bad, bad, 1};
   page.sweeps[0].waveform = page.sweeps[0].unit = page.metrics[0].title = bad;
   page.warnings = page.answer = page.confidence = {bad};
-  page.claims = {{bad, bad, bad, bad, Page::Verdict::kFails, true}};
+  page.claims = {{bad, bad, bad, bad, Ruling::fails, true}};
   page.provenance = {{bad, bad}};
   page.episodes = {short_episode()};
   page.episodes[0].title = bad;

@@ -54,7 +54,7 @@ std::string failure_text(const Trace& trace, const PlantSpec& spec) {
   const auto column = static_cast<std::size_t>(trace.failed_at);
   for (std::size_t i = 0; i < spec.state.size(); ++i) {
     const double value = trace.state.at(i, column);
-    if (!std::isfinite(value)) return cat(spec.state[i].name, " is no number");
+    if (!std::isfinite(value)) return cat(spec.state[i].name, " is not finite");
     if (value > spec.fail_high[i])
       return cat(spec.state[i].name, fmt::format(" > {:.3g} ", spec.fail_high[i]), spec.state[i].unit);
     if (value < spec.fail_low[i])
@@ -94,62 +94,78 @@ bool touches_ground(const Plant& plant, const Trace& trace) {
   return false;
 }
 
+/// What a site's disturbances added, from their signals.
+Matrix<double> added_at(Site site, std::size_t channels, const Trace& trace, const TrialEvaluation& task) {
+  Matrix<double> added(channels, trace.reward.size());
+  if (task.injections.empty()) return added;
+  const std::shared_ptr<const Signals> signals = episode_signals(task.evaluation, trace.index);
+  for (std::size_t i = 0; i < task.injections.size(); ++i) {
+    if (task.injections[i].site != site) continue;
+    const double factor = task.injections[i].factor(task.evaluation.cells[trace.index.cell].levels[i]);
+    for (std::size_t c = 0; c < added.rows(); ++c) {
+      for (std::size_t k = 0; k < added.lanes(); ++k) added.at(c, k) += factor * signals->channel(i, c)[k];
+    }
+  }
+  return added;
+}
+
+/// What only a plant with equations of motion has.
+void add_plant(Page::Episode& episode, const Plant& plant, const Trace& trace, const SweepCell& cell) {
+  const PlantSpec& spec = plant.spec();
+  episode.geometry = geometry_of(cell, spec);
+  if (spec.references > 1) episode.reference = traces_of(spec.state, reference_of(plant, trace.state.lanes()));
+  episode.touched_ground = touches_ground(plant, trace);
+  episode.failure = failure_text(trace, spec);
+}
+
 /// Whether a trace has the shape that an episode of this evaluation has: what is read from a file may be anything.
-bool fits(const Trace& trace, const PlantSpec& spec, const Evaluation& evaluation) {
+bool fits(const Trace& trace, const Interface& spec, const Evaluation& evaluation) {
   const std::size_t steps = trace.reward.size();
   const auto is = [](const Matrix<double>& matrix, std::size_t rows, std::size_t lanes) {
-    return matrix.rows() == rows && matrix.lanes() == lanes;
+    return matrix.rows() == rows && (rows == 0 || matrix.lanes() == lanes);
   };
   const EpisodeIndex& index = trace.index;
+  const std::size_t actions = spec.tells_effort ? spec.action.size() : 0;
   return steps > 0 && index.cell < evaluation.cells.size() && index.start < evaluation.starts.size() &&
          index.episode >= 0 && index.episode < evaluation.episodes && trace.failed_at >= -1 &&
          trace.failed_at <= static_cast<std::int64_t>(steps) && is(trace.state, spec.state.size(), steps + 1) &&
-         is(trace.observation, spec.observations(), steps + 1) && is(trace.commanded, spec.action.size(), steps) &&
-         is(trace.disturbed, spec.action.size(), steps) && is(trace.applied, spec.action.size(), steps) &&
+         is(trace.observation, spec.observations(), steps + 1) && is(trace.commanded, actions, steps) &&
+         is(trace.disturbed, actions, steps) && is(trace.applied, actions, steps) &&
          is(trace.force, spec.force.size(), steps) &&
          (trace.memory_of.empty() || is(trace.memory, trace.memory_of.size(), steps)) &&
          static_cast<std::int64_t>(steps) <= spec.steps;
 }
 
 Page::Episode page_episode(const Study& study, const Trial& trial, const Trace& trace, const TrialEvaluation& task) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   const StudyPolicy& policy = study.policies[trial.policy];
   Page::Episode episode;
   episode.policy = trial.policy;
   episode.start = trace.index.start;
   episode.plant = study.setup.plant.kind;
-  episode.geometry = geometry_of(task.evaluation.cells[trace.index.cell], spec);
   episode.rate = spec.control_rate;
-  episode.states = traces_of(spec.state, trace.state);
-  if (spec.references > 1)
-    episode.reference = traces_of(spec.state, reference_of(*study.setup.plant, trace.state.lanes()));
-  episode.touched_ground = touches_ground(*study.setup.plant, trace);
-  episode.commanded = traces_of(spec.action, trace.commanded);
-  episode.applied = traces_of(spec.action, trace.applied);
+  episode.observed = spec.state.empty();
+  episode.states =
+      episode.observed ? traces_of(spec.measured(), trace.observation) : traces_of(spec.state, trace.state);
+  if (trace.commanded.rows() > 0) episode.commanded = traces_of(spec.action, trace.commanded);
+  if (trace.applied.rows() > 0) episode.applied = traces_of(spec.action, trace.applied);
   episode.memory = traces_of(trace.memory_of, trace.memory);
-  add_pushes(episode, Site::kObservation, spec.state, seen_beyond(trace));
-  // What the action site added is not recorded by itself where the command was clipped first; the signals are, and
-  // where an effect maps the action, what it made of it.
+  if (const Plant* plant = study.setup.plant->plant())
+    add_plant(episode, *plant, trace, task.evaluation.cells[trace.index.cell]);
+  // What was added is the difference to the true state where that is what is measured; else the signals tell it. At the
+  // action it is not recorded by itself where the command was clipped first. What an effect made of an action is the
+  // difference to the command.
+  const bool measures_state = !spec.state.empty() && spec.observation.empty();
+  add_pushes(episode, Site::kObservation, spec.measured(),
+             measures_state ? seen_beyond(trace) : added_at(Site::kObservation, spec.measured().size(), trace, task));
   const bool mapped = std::ranges::any_of(
       task.injections, [](const Injection& each) { return each.site == Site::kAction && each.is_effect(); });
-  if (mapped) {
-    add_pushes(episode, Site::kAction, spec.action, difference(trace.disturbed, trace.commanded));
-  } else if (!task.injections.empty()) {
-    const std::shared_ptr<const Signals> signals = episode_signals(task.evaluation, trace.index);
-    Matrix<double> added(spec.action.size(), trace.applied.lanes());
-    for (std::size_t i = 0; i < task.injections.size(); ++i) {
-      if (task.injections[i].site != Site::kAction) continue;
-      const double factor = task.injections[i].factor(task.evaluation.cells[trace.index.cell].levels[i]);
-      for (std::size_t c = 0; c < added.rows(); ++c) {
-        for (std::size_t k = 0; k < added.lanes(); ++k) added.at(c, k) += factor * signals->channel(i, c)[k];
-      }
-    }
-    add_pushes(episode, Site::kAction, spec.action, added);
-  }
+  add_pushes(episode, Site::kAction, spec.action,
+             mapped && trace.commanded.rows() > 0 ? difference(trace.disturbed, trace.commanded)
+                                                  : added_at(Site::kAction, spec.action.size(), trace, task));
   add_pushes(episode, Site::kDynamics, spec.force, trace.force);
   episode.reward = trace.reward;
   if (trace.failed_at >= 0) episode.failed_step = static_cast<std::size_t>(trace.failed_at);
-  episode.failure = failure_text(trace, spec);
   const std::string seed = policy.training() ? cat(" seed ", policy.member(trial.member)) : "";
   const std::string sweep = trial.sweep == Trial::kNominal ? "undisturbed" : study.sweeps[trial.sweep].name;
   episode.title = cat(policy.name, seed, " · ", sweep);
@@ -163,7 +179,7 @@ std::vector<Page::Episode> kept_episodes(const Study& study, const std::vector<K
   std::vector<Page::Episode> episodes;
   for (const auto& [policy, member, sweep, traces] : kept) {
     const std::string& name = study.policies[policy].name;
-    const Error broken(cat("a kept episode of '", name, "' is none of this study's; run it again in another folder"));
+    const Error broken(cat("a kept episode of '", name, "' is of another study; run it again in another folder"));
     if (member >= study.policies[policy].count()) throw broken;
     const Trial trial{.policy = policy, .member = member, .sweep = sweep};
     const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);

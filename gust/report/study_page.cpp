@@ -15,9 +15,10 @@ std::string kind_text(const StudyPolicy& policy) {
   return policy.training() ? cat(policy.kind, " ", policy.training()->agent.kind) : policy.kind;
 }
 
-Page::Metric page_metric(const std::string& name, const MetricTraits& traits) {
+Page::Metric page_metric(const std::string& name, const MetricTraits& traits, const Interface& spec) {
   const std::string unit = traits.unit.empty() ? "" : cat(" [", traits.unit, "]");
-  return {name, cat(traits.title, unit), metrics().at(name).summary, traits.low, traits.high};
+  const Limits axis = axis_of(traits, spec);
+  return {name, cat(traits.title, unit), metrics().at(name).summary, axis.low, axis.high};
 }
 
 /// What names a cell to `gust eval --study`.
@@ -32,7 +33,7 @@ std::string middle_of(const Sweep& sweep) {
 }
 
 Page::Sweep page_sweep(const Study& study, const Sweep& sweep) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   Page::Sweep page;
   page.name = sweep.name;
   page.levels = sweep.axes.front().values;
@@ -90,7 +91,7 @@ class PageWriter {
   void head(const PageContext& context) {
     page_.name = study_.name;
     page_.question = study_.question;
-    page_.plant = cat(study_.setup.plant.kind, ", ", study_.setup.preset);
+    page_.plant = cat(study_.setup.plant.kind, study_.setup.preset.empty() ? "" : ", ", study_.setup.preset);
     page_.warnings = context.warnings;
     for (std::string& warning : study_warnings(study_)) page_.warnings.push_back(std::move(warning));
     std::ranges::copy(summary_.notes, std::back_inserter(page_.warnings));
@@ -115,7 +116,7 @@ class PageWriter {
     for (std::size_t i = 0; i < metrics_.size(); ++i) {
       const std::string& name = study_.metric_set.name(metrics_[i]);
       const MetricTraits& traits = study_.metric_set[metrics_[i]].traits();
-      page_.metrics.push_back(page_metric(name, traits));
+      page_.metrics.push_back(page_metric(name, traits, study_.setup.plant->spec()));
       if (traits.role == MetricRole::survival) page_.survival_metric = i;
       if (traits.role == MetricRole::saturation) page_.saturation_metric = i;
       if (metrics_[i] == summary_.margin_metric) page_.margin_metric = i;
@@ -185,24 +186,18 @@ class PageWriter {
 
   void compared(const SweepComparison& item) {
     const auto estimate = [](const Interval& from) { return Page::Estimate{from.estimate, from.low, from.high}; };
-    const auto shown = [&](const Interval& difference) {
-      const Standing standing = item.standing_of(difference);
-      return standing == Standing::ahead    ? Page::Comparison::Standing::kAhead
-             : standing == Standing::behind ? Page::Comparison::Standing::kBehind
-                                            : Page::Comparison::Standing::kUndecided;
-    };
     const bool nominal = item.sweep == Trial::kNominal;
     const Comparison& found = item.found;
     Page::Comparison& to = page_.comparisons.emplace_back();
     to = {.a = item.pair.a, .b = item.pair.b, .start = item.pair.start};
     to.sweep = nominal ? Page::kNone : sweep_at_[item.sweep];
     to.name = nominal ? "undisturbed" : study_.sweeps[item.sweep].name;
-    to.standing = shown(found.over.interval);
+    to.standing = item.standing_of(found.over.interval);
     to.difference = estimate(found.over.interval);
     to.ratio = estimate(found.ratio);
     to.ratio_most = found.ratio.most;
     to.improvement = estimate(found.improvement);
-    for (const PairedDifference& at : found.scores) to.levels.push_back(shown(at.interval));
+    for (const PairedDifference& at : found.scores) to.levels.push_back(item.standing_of(at.interval));
     to.needed = item.needed();
     to.few_seeds = item.seeds > 0 && item.seeds < kSeedsForVerdict;
   }
@@ -264,9 +259,7 @@ class PageWriter {
   void claims() {
     for (const ClaimVerdict& verdict : summary_.claims) {
       const Ruling ruling = verdict.finding.verdict.ruling;
-      const Page::Verdict shown = ruling == Ruling::holds   ? Page::Verdict::kHolds
-                                  : ruling == Ruling::fails ? Page::Verdict::kFails
-                                                            : Page::Verdict::kUndecided;
+      const Ruling shown = ruling == Ruling::not_testable ? Ruling::undecided : ruling;  // the number says "-"
       page_.claims.push_back({verdict.claim->id, verdict.claim->text, verdict.claim->holds,
                               measured_text(verdict.finding), shown, verdict.claim->required});
     }

@@ -41,7 +41,7 @@ TEST_CASE("the page of a study has a curve for each sweep, policy, start and met
     CHECK(curve.band.value.size() == (curve.levels.empty() ? page.sweeps[curve.sweep].levels : curve.levels).size());
   CHECK(page.margins.size() == 2 * 2 * 2);
   REQUIRE(page.claims.size() == 1);
-  CHECK(page.claims[0].verdict == Page::Verdict::kHolds);
+  CHECK(page.claims[0].verdict == Ruling::holds);
   CHECK(page.warnings == std::vector<std::string>{"a warning"});
   CHECK(page.run_command == "gust run small.toml");
   CHECK(page.sweeps[0].command == "gust eval lqr --study small.gust --sweep push --level 5 --start random");
@@ -102,7 +102,7 @@ TEST_CASE("a kept episode is whole, and what fell says of what") {
   CHECK(fell->failure.find_first_of("<>") != std::string::npos);
 }
 
-TEST_CASE("a kept episode that is none of the study's is refused") {
+TEST_CASE("a kept episode of another study is refused") {
   const ScratchFolder folder("gust-study-page-kept");
   Study study = small_study();
   const Store store(folder.path / "store", Store::Access::write);
@@ -124,7 +124,7 @@ TEST_CASE("a kept episode that is none of the study's is refused") {
   for (const auto& change : changes) {
     std::vector<KeptTraces> bad = good;
     change(bad[0]);
-    CHECK_THROWS_WITH_AS(kept_episodes(study, bad, sweep_at), doctest::Contains("is none of this study's"), Error);
+    CHECK_THROWS_WITH_AS(kept_episodes(study, bad, sweep_at), doctest::Contains("is of another study"), Error);
   }
 }
 

@@ -21,16 +21,15 @@ struct VerdictWords {
   std::string_view sign;
 };
 
-VerdictWords words(Page::Verdict verdict) {
+VerdictWords words(Ruling verdict) {
   switch (verdict) {
-    case Page::Verdict::kHolds:
+    case Ruling::holds:
       return {"holds", "✓"};
-    case Page::Verdict::kFails:
+    case Ruling::fails:
       return {"fails", "✗"};
-    case Page::Verdict::kUndecided:
+    default:
       return {"undecided", "?"};
   }
-  throw Bug("a verdict outside its enumeration");
 }
 
 std::string margin_row(const Page& page, const Page::Margin& margin) {

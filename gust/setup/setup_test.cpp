@@ -34,7 +34,7 @@ TEST_CASE("a setup without a preset is scg-2022, which the cart-pole's own defau
 TEST_CASE("scg-default charges the disturbed action and lets the policy act in newton at 50 Hz") {
   const Setup setup = setup_of("plant = { kind = \"cartpole\", preset = \"scg-default\" }\n");
 
-  const PlantSpec& spec = setup.plant->spec();
+  const PlantSpec& spec = setup.plant->plant()->spec();
   CHECK(spec.physics_rate == 50.0);
   CHECK(spec.action_unit() == "N");
   CHECK(spec.action_scale == std::vector<double>{1.0});
@@ -48,7 +48,7 @@ TEST_CASE("options of a study replace those of the preset and leave the others a
       "plant = { kind = \"cartpole\", preset = \"scg-default\", pole_length = 0.25 }\n"
       "readings = { effort = \"applied\" }\n");
 
-  const PlantSpec& spec = setup.plant->spec();
+  const PlantSpec& spec = setup.plant->plant()->spec();
   CHECK(spec.parameters[0].nominal == 0.25);
   CHECK(spec.parameters[2].nominal == 1.0);
   CHECK(spec.control_rate == 50.0);

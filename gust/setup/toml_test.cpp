@@ -44,7 +44,7 @@ TEST_CASE("TOML arrays of tables and dotted keys become nested tables in order")
   CHECK(rows[1].place.line == 5);
 }
 
-TEST_CASE("TOML that is none is an error with its place") {
+TEST_CASE("a text that is not TOML is an error with its place") {
   CHECK(starts(error_of("a = 1\nb = \n"), "s.toml:2:"));
   CHECK(starts(error_of("a = 1\na = 2\n"), "s.toml:2:"));
   CHECK(starts(error_of("a = \"open\nb = 1\n"), "s.toml:1:"));

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,30 +9,9 @@
 
 #include "gust/core/catalog.h"
 #include "gust/core/rows.h"
+#include "gust/sim/interface.h"
 
 namespace gust {
-
-/// A named scalar with its unit.
-struct Component {
-  std::string name;
-  std::string unit;
-};
-
-/// The values from low to high.
-struct Limits {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-};
-
-/// A physical quantity of the plant that a study may set, scale or randomise.
-struct Parameter {
-  std::string name;
-  std::string unit;
-  double nominal = 0;
-  // Where the plant can be held at its goal at all, the other parameters being nominal.
-  Limits by_actuator = {};  ///< with all that the actuator gives
-  Limits by_box = {};       ///< with commands that are clipped to the policy's action box
-};
 
 /// A cascade of two proportional-derivative loops: the outer one asks for an attitude, the inner one brings it about.
 /// With e = reference - state, the attitude's reference is clip(outer . e, -limit, limit), and then
@@ -45,28 +23,9 @@ struct Cascade {
   Eigen::VectorXd rest;       ///< action without an error, physical
 };
 
-/// Everything about a plant and its task that is data: what is measured, pushed, charged and forbidden. SI units.
-struct PlantSpec {
-  std::vector<Component> state;   ///< also what is observed
-  std::size_t horizon = 0;        ///< reference states that follow the state in the observation
-  std::size_t references = 1;     ///< states of the reference, one a control step from the reset on; 1: a goal to hold
-  std::size_t reference_lag = 0;  ///< the state after n steps is compared with reference n - lag
-  std::vector<Component> action;  ///< physical inputs
-  std::vector<Component> force;   ///< the dynamics site
-  std::vector<Parameter> parameters;
-  std::size_t hidden = 0;              ///< rows of integrator memory that follow the state
-  std::optional<std::size_t> contact;  ///< the hidden row that is 1 once the plant has touched the ground
-
-  double control_rate = 0;  ///< Hz
-  double physics_rate = 0;  ///< Hz, a multiple of control_rate
-  std::int64_t steps = 0;   ///< control steps in an episode
-
-  bool normalized_action = false;    ///< the policy acts in [-1, 1]
-  std::vector<double> action_scale;  ///< physical = action_offset + action_scale * the policy's action
-  std::vector<double> action_offset;
-  std::vector<double> action_low;  ///< physical bounds of the actuator
-  std::vector<double> action_high;
-
+/// What is asked of a plant: where episodes begin, when they fail, what is rewarded and what the state is compared
+/// with.
+struct Task {
   std::vector<double> start;         ///< nominal initial state
   std::vector<double> start_offset;  ///< training starts at start + start_offset + U(±start_range)
   std::vector<double> start_range;
@@ -74,16 +33,20 @@ struct PlantSpec {
   std::vector<double> fail_high;
   std::vector<bool> wraps;  ///< the error of this component is taken modulo a turn in the reward
 
+  std::size_t references = 1;     ///< states of the reference, one a control step from the reset on; 1: a goal to hold
+  std::size_t reference_lag = 0;  ///< the state after n steps is compared with reference n - lag
+
   std::vector<double> state_weights;  ///< of the reward exp(-J), J = sum w e^2 + w_u sum (u - u_goal)^2
   double action_weight = 0;           ///< per squared physical unit of the action
   std::vector<double> action_goal;    ///< what holds the goal; physical
-  std::vector<double> error_weights;  ///< components that count in rmse_scg
-  std::size_t angle = 0;              ///< the state component that is the attitude
-  std::optional<Cascade> cascade;     ///< of a controller that is known to work, if one is
+};
 
-  /// Numbers that a policy sees: the state, then `horizon` references.
-  std::size_t observations() const { return state.size() * (1 + horizon); }
-  std::string action_unit() const { return normalized_action ? "normalised" : action.front().unit; }
+/// Everything about a plant that is data: its interface, its task, and what the physics needs.
+struct PlantSpec : Interface, Task {
+  double physics_rate = 0;             ///< Hz, a multiple of control_rate
+  std::size_t hidden = 0;              ///< rows of integrator memory that follow the state
+  std::optional<std::size_t> contact;  ///< the hidden row that is 1 once the plant has touched the ground
+  std::optional<Cascade> cascade;      ///< of a controller that is known to work, if one is
 };
 
 /// A control step within which signals change, and of which a state before its end is seen. Counts of substeps are
@@ -110,6 +73,8 @@ struct Linearisation {
   Eigen::MatrixXd b;
 };
 
+inline constexpr double kSecondsPerSubstep = 8e-9;  ///< of a plant's physics, on one core
+
 /// The equations of motion of a plant with its task. Immutable; what changes is passed in.
 class Plant {
  public:
@@ -134,9 +99,6 @@ class Plant {
   /// The exact derivative of one control step (dual numbers), at a state and a physical action, nominal parameters.
   virtual Linearisation linearise(std::span<const double> state, std::span<const double> action) const = 0;
 };
-
-/// The position of a parameter of the plant; an Error at the place if there is none of that name.
-std::size_t parameter_index(const PlantSpec& spec, const std::string& name, const Place& place);
 
 /// Every plant there is, in the order of plants/list.inc.
 const Catalog<Plant>& plants();

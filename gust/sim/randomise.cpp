@@ -20,7 +20,7 @@ Made<Distribution> read_distribution(const std::string& name, const Value& value
 
 }  // namespace
 
-Randomisation read_randomisation(const Table& table, const PlantSpec& spec) {
+Randomisation read_randomisation(const Table& table, const Interface& spec) {
   std::string mode = "absolute";
   if (const Value* value = table.find("mode")) read_value(mode, *value, "mode", one_of("absolute|additive"));
   Randomisation randomisation;
@@ -46,7 +46,7 @@ Randomisation read_randomisation(const Table& table, const PlantSpec& spec) {
   return randomisation;
 }
 
-std::string Randomisation::canonical(const PlantSpec& spec) const {
+std::string Randomisation::canonical(const Interface& spec) const {
   std::string text;
   for (const ParameterDraw& draw : draws) {
     text += cat(text.empty() ? "" : ", ", spec.parameters[draw.parameter].name, " = ", canonical_text(draw.offset),
@@ -55,16 +55,15 @@ std::string Randomisation::canonical(const PlantSpec& spec) const {
   return text;
 }
 
-std::string Randomisation::label(const PlantSpec& spec) const {
+std::string Randomisation::label(const Interface& spec) const {
   if (!name.empty()) return name;
   std::vector<std::string> names;
   for (const ParameterDraw& draw : draws) names.push_back(spec.parameters[draw.parameter].name);
   return join(names, ", ");
 }
 
-std::vector<double> draw_parameters(std::span<const ParameterDraw> draws, const PlantSpec& spec, const Rng& episode) {
-  std::vector<double> values;
-  for (const Parameter& parameter : spec.parameters) values.push_back(parameter.nominal);
+std::vector<double> draw_parameters(std::span<const ParameterDraw> draws, const Interface& spec, const Rng& episode) {
+  std::vector<double> values = nominal_parameters(spec);
   const Rng rng = episode.split("parameters");
   for (const ParameterDraw& draw : draws) {
     values[draw.parameter] = draw.offset + draw.distribution->draw(rng.split(spec.parameters[draw.parameter].name));

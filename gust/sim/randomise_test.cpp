@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gust/sim/plant.h"
+
 using namespace gust;
 
 namespace {

@@ -27,7 +27,7 @@ Unit unit_of(const Cell& cell);
 /// bootstrap over seeds; the tasks are the strata.
 ///
 /// Where every task has one seed only, no interval over seeds exists: the interval is then over episodes and says so.
-/// The estimate stays the same statistic of the same seed values; each resample draws the episodes of each task anew
+/// The estimate stays the same statistic of the same seed values; each resample samples the episodes of each task again
 /// and averages them. With one episode as well there is no interval. A task with one seed beside others with more is
 /// held fixed.
 ///

@@ -226,7 +226,7 @@ class Evaluator {
   bool chosen(const Node& node) {
     const Sampled margin = truth(node.parts[2], node).margin;
     const Bounds known = margin.bounds(0);
-    if (std::isnan(known.low)) throw NotTestable("what 'if' asks for is no number");
+    if (std::isnan(known.low)) throw NotTestable("what 'if' asks for is NaN");
     if (known.low < 0 && known.high >= 0) throw NotTestable(cat("what 'if' asks for is not known: ", margin.limit));
     return known.low >= 0;
   }

@@ -108,7 +108,7 @@ FormulaValue at(const Arguments& arguments) {
   const Sampled& where = arguments[1].as_number("at");
   if (!where.is_constant()) throw Error("'at' needs a fixed place");
   const double x = where.estimate();
-  if (std::isnan(x)) throw NotTestable("'at' a place that is no number");
+  if (std::isnan(x)) throw NotTestable("'at' a place that is NaN");
   const auto after = std::ranges::lower_bound(curve.axis, x);
   if (after == curve.axis.end() || x < curve.axis.front())
     throw BeyondLevels(cat(x, " lies beyond the levels, ", curve.axis.front(), " to ", curve.axis.back()));

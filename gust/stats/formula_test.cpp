@@ -126,7 +126,7 @@ TEST_CASE("a claim counts the statements that and and all put together, and thos
   CHECK(parts("gone('ppo') > 1") == std::pair<std::size_t, std::size_t>(0, 0));
 }
 
-TEST_CASE("nothing that is computed from what is no number decides a claim") {
+TEST_CASE("nothing that is computed from NaN decides a claim") {
   for (const char* unknown :
        {"count(0 / 0 > x for x in [1, 2]) <= 0", "share([0 / 0 > 1]) < 0.5", "argmax([1 / x for x in [0, 1]]) >= 0",
         "drop([1 / x for x in [0, 1]]) < 1", "rise([1 / x for x in [0, 1]]) < 1",

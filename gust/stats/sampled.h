@@ -37,7 +37,7 @@ Bounds abs(const Bounds& range);
 
 struct MarginData;
 
-/// A number and what it becomes in each resample of the data. Arithmetic goes resample by resample, so whatever is
+/// A number and its value in each resample of the data. Arithmetic goes resample by resample, so whatever is
 /// computed from such numbers has an interval. Where a resample is known as a bound only, arithmetic keeps both ends.
 struct Sampled {
   std::vector<double> values;      ///< the estimate, then one value a resample; one value alone is the same in all

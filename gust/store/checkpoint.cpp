@@ -18,7 +18,6 @@ namespace fs = std::filesystem;
 // the bytes.
 constexpr std::string_view kMagic = "gust checkpoint 1\n";
 constexpr std::size_t kHashDigits = 32;
-constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // a replay buffer is the greatest part
 
 fs::path folder_of_checkpoints(const Store& store) { return store.folder() / "checkpoints"; }
 
@@ -34,15 +33,30 @@ bool has_checkpoint(const Store& store, std::string_view id) {
   return fs::exists(path_of(store, id), error);
 }
 
+std::string checkpoint_text(std::string_view owner, std::string_view state) {
+  std::string text;  // made in place: the state may have hundreds of megabytes
+  text.reserve(kMagic.size() + kHashDigits + owner.size() + 1 + state.size());
+  text.append(kMagic).append(kHashDigits, '0').append(owner).append("\n").append(state);
+  const std::string hash = hash_hex(std::string_view(text).substr(kMagic.size() + kHashDigits));
+  return text.replace(kMagic.size(), kHashDigits, hash);
+}
+
+std::optional<std::string> checkpoint_state(std::string_view text, std::string_view owner) {
+  if (!text.starts_with(kMagic)) return std::nullopt;
+  text.remove_prefix(kMagic.size());
+  const std::string_view hash = text.substr(0, kHashDigits);
+  text.remove_prefix(hash.size());
+  const std::string head = cat(owner, "\n");
+  if (hash_hex(text) != hash || !text.starts_with(head)) return std::nullopt;
+  return std::string(text.substr(head.size()));
+}
+
 void save_checkpoint(const Store& store, std::string_view id, std::string_view bytes) {
   const fs::path path = path_of(store, id);
   const fs::path aside = store.aside();
-  const std::string content = cat(id, "\n", bytes);
   make_folders(path.parent_path());
   OutputFile file(aside);
-  file.append(kMagic);
-  file.append(hash_hex(content));
-  file.append(content);
+  file.append(checkpoint_text(id, bytes));
   file.close();
   if (::rename(aside.c_str(), path.c_str()) != 0) throw file_error(path, "cannot write");
 }
@@ -51,20 +65,11 @@ std::optional<std::string> load_checkpoint(const Store& store, std::string_view 
   const fs::path path = path_of(store, id);
   std::error_code error;
   if (!fs::exists(path, error)) return std::nullopt;
-  std::string whole;
   try {
-    whole = read_file(path, kMostBytes);
+    return checkpoint_state(read_file(path, kCheckpointBytes), id);
   } catch (const Error&) {  // as good as none: the training begins anew
     return std::nullopt;
   }
-  std::string_view rest = whole;
-  if (!rest.starts_with(kMagic)) return std::nullopt;
-  rest.remove_prefix(kMagic.size());
-  const std::string_view hash = rest.substr(0, kHashDigits);
-  rest.remove_prefix(hash.size());
-  const std::string owner = cat(id, "\n");
-  if (hash_hex(rest) != hash || !rest.starts_with(owner)) return std::nullopt;
-  return std::string(rest.substr(owner.size()));
 }
 
 void remove_checkpoint(const Store& store, std::string_view id) { ::unlink(path_of(store, id).c_str()); }

@@ -35,6 +35,13 @@ class CheckpointPace {
   Clock::time_point last_;
 };
 
+inline constexpr std::size_t kCheckpointBytes = std::size_t{4} << 30;  ///< a replay buffer is the greatest part
+
+/// A checkpoint of whoever `owner` names, as it is written wherever it lies.
+std::string checkpoint_text(std::string_view owner, std::string_view state);
+/// The state in such a text; nothing if it is damaged or another one's.
+std::optional<std::string> checkpoint_state(std::string_view text, std::string_view owner);
+
 /// Whether a training was begun and not finished.
 bool has_checkpoint(const Store& store, std::string_view id);
 

@@ -124,7 +124,7 @@ def test_what_a_diverged_training_leaves_out_is_told_and_the_rest_exported(gust,
     reported = gust("report", "small.gust", code=1)
 
     assert told == "".join(
-        f"gust: train ppo seed {seed} failed: the network's parameters are no finite numbers after 400 steps; "
+        f"gust: train ppo seed {seed} failed: the network's parameters are not finite after 400 steps; "
         "2 trials of it missing\n" for seed in (1, 2))
     lines = (tmp_path / "out.csv").read_text().splitlines()
     assert len(lines) > 100 and all(",lqr," in line for line in lines[1:])

@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "gust/agents/agent.h"
+#include "gust/control/closed_loop.h"
+#include "gust/control/plant_loops.h"
 #include "gust/eval/evaluate.h"
 #include "gust/eval/metric.h"
 
@@ -152,8 +154,9 @@ TEST_CASE("every distribution draws within its bounds, and equal numbers from eq
 
 TEST_CASE("every metric is a number for an episode that holds and for one that fails") {
   const auto plant = standard(plants(), "cartpole");
+  const PlantLoops loops(plant.object, {});
   Evaluation evaluation;
-  evaluation.plant = plant.object.get();
+  evaluation.source = &loops;
   evaluation.cells = {{{}, nominal_parameters(plant->spec())}};
   evaluation.starts = {random_starts()};
   evaluation.episodes = 3;
@@ -174,11 +177,12 @@ void check_bits_of_any_number_of_lanes(const std::string& waveform) {
   injections.push_back(read_injection(
       Table{{{"site", {std::string("dynamics"), {"test"}}}, {"waveform", {waveform, {"test"}}}}, {"test"}},
       plant->spec()));
+  const PlantLoops loops(plant.object, {});
   Evaluation evaluation;
-  evaluation.plant = plant.object.get();
+  evaluation.source = &loops;
   evaluation.injections = injections;
   evaluation.cells = {{{0.1}, nominal_parameters(plant->spec())}, {{0.4}, nominal_parameters(plant->spec())}};
-  evaluation.starts = {nominal_start(plant->spec()), random_starts()};
+  evaluation.starts = loops.starts();
   evaluation.episodes = 9;
   const auto policy = zero_policy(4, 1);
 

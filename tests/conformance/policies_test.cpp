@@ -36,7 +36,7 @@ Example example_of(const PolicyKind& kind) {
     const bool said = kind.example.find("plant = ") != std::string::npos;
     const std::string text = cat("schema = 1\nname = \"example\"\n", said ? "" : own, kind.example, "\n");
     const Setup setup = make_setup(parse_toml(cat("kind = \"", plant, "\""), "plant"));
-    const PlantSpec& spec = setup.plant->spec();
+    const Interface& spec = setup.plant->spec();
     const std::string bytes = network_for(spec.observations(), spec.action.size());
     const FindFiles find = [&](const std::string& pattern, const Place&) {
       return std::vector<StudyFile>{{pattern, bytes}};
@@ -54,7 +54,7 @@ Example example_of(const PolicyKind& kind) {
 }
 
 /// The actions of some control steps, of which the first begin an episode.
-std::vector<double> run(Policy& policy, const PlantSpec& spec, std::size_t lanes, std::size_t lane) {
+std::vector<double> run(Policy& policy, const Interface& spec, std::size_t lanes, std::size_t lane) {
   std::vector<double> actions;
   Matrix<double> action(policy.actions(), lanes);
   for (std::int64_t k = 0; k < 5; ++k) {
@@ -115,7 +115,7 @@ TEST_CASE("every kind of policy gives equal bits again, keeps its lanes apart, a
   for (const PolicyKind& kind : policy_kinds()) {
     CAPTURE(kind.name);
     const Example example = example_of(kind);
-    const PlantSpec& spec = example.setup().plant->spec();
+    const Interface& spec = example.setup().plant->spec();
     const auto policy = example.source().make(example.setup(), example.member);
     REQUIRE(policy->observations() == spec.observations());
     REQUIRE(policy->actions() == spec.action.size());

@@ -72,7 +72,7 @@ agent = { kind = "ppo", steps = 8_000, randomise = "mid" }
 std::string trained_bits(const Study& study, std::size_t policy) {
   const PolicyTraining& trained = *study.policies[policy].training();
   const std::unique_ptr<Training> training =
-      trained.agent->start({study.setup.plant.object.get(), study.setup.readings, {}, 1, trained.randomised.draws});
+      trained.agent->start({study.setup.plant->plant(), study.setup.readings, {}, 1, trained.randomised.draws});
   while (!training->done()) training->advance();
   const ActorNetwork actor = training->actor();
   const std::span<const float> weights = actor.mlp.parameters();

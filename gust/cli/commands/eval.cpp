@@ -98,7 +98,7 @@ void check_options(const CLI::App& command, const EvalRequest& request) {
 }
 
 EvalResult result_of(const EvalRequest& request) {
-  if (!request.study.empty()) return {run_cell(request)};
+  if (!request.study.empty()) return run_cell(request);
   if (!request.has_file()) return run_eval(request, {});
   const std::string bytes = read_policy_file(request.policy);
   return run_eval(request, bytes, read_onnx_data(request.policy, bytes));
@@ -129,7 +129,7 @@ void command_eval(CLI::App& app, int& exit_code) {
   command->callback([options, command, &exit_code] {
     check_options(*command, options->request);
     const EvalResult result = result_of(options->request);
-    print_lines(options->json ? eval_json(result.rows) : eval_table(result.rows));
+    print_lines(options->json ? eval_json(result) : eval_table(result));
     std::fflush(stdout);
     exit_code = tell_notes(result, options->request.policy);
   });

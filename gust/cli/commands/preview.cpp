@@ -52,7 +52,7 @@ std::string indented(const std::string& text, std::size_t indent) {
 }
 
 /// What is left of a wave at the control steps of its window: how often it is sampled, and how far it swings.
-std::string sampled_text(const Drawn& drawn, std::span<const double> values, double factor, const PlantSpec& spec) {
+std::string sampled_text(const Drawn& drawn, std::span<const double> values, double factor, const Interface& spec) {
   const double frequency = drawn.injection.frequency();
   if (frequency == 0) return {};
   const std::int64_t end = std::min(drawn.injection.end, spec.steps);
@@ -65,13 +65,13 @@ std::string sampled_text(const Drawn& drawn, std::span<const double> values, dou
                      drawn.injection.site == Site::kObservation ? "policy" : "plant");
 }
 
-std::string time_axis(const PlantSpec& spec) {
+std::string time_axis(const Interface& spec) {
   return fmt::format("{:>{}}{:<8.4g}{:>{}.4g} s\n", "", kLabels, 0.0,
                      static_cast<double>(spec.steps) / spec.control_rate, chart_columns() - 10);
 }
 
 /// What an effect makes of a step from 0 to 1, a tenth of the episode after its window begins.
-std::string effect_drawing(const Drawn& drawn, const PlantSpec& spec) {
+std::string effect_drawing(const Drawn& drawn, const Interface& spec) {
   const Injection& injection = drawn.injection;
   const std::size_t channels = injection.factors.size();
   const auto channel = static_cast<std::size_t>(std::ranges::find(injection.factors, 1.0) - injection.factors.begin());
@@ -89,7 +89,7 @@ std::string effect_drawing(const Drawn& drawn, const PlantSpec& spec) {
          terminal_chart(values, {.columns = chart_columns(), .unicode = locale_is_utf8()});
 }
 
-std::string drawing(const Drawn& drawn, const Signals& signals, const PlantSpec& spec) {
+std::string drawing(const Drawn& drawn, const Signals& signals, const Interface& spec) {
   if (drawn.injection.is_effect()) return effect_drawing(drawn, spec) + time_axis(spec);
   const std::vector<Component>& channels = channels_of(drawn.injection.site, spec);
   std::string text;
@@ -132,15 +132,22 @@ double shown_level(const Sweep& sweep) {
   return shown == 0 ? 1.0 : shown;
 }
 
+/// The first cell of a sweep; of levels that a run finds there is none yet, any will do.
+std::unique_ptr<TrialEvaluation> first_cell(Study study, std::size_t index) {
+  Sweep::Axis& axis = study.sweeps[index].axes.front();
+  if (axis.values.empty()) axis.values = {1.0};
+  Trial trial;
+  trial.sweep = index;
+  return trial_evaluation(study, trial);
+}
+
 std::string preview_sweep(const Study& study, std::size_t index) {
   const Sweep& sweep = study.sweeps[index];
   std::string text = cat("\n", indented(cat(sweep.name, ": ", axes_text(sweep)), 0));
   const std::string setting = sweep.setting(study.setup.plant->spec());
   if (!setting.empty()) text += indented(cat("with ", setting), 2);
   if (!sweep.injection) return text;
-  Trial trial;
-  trial.sweep = index;
-  const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
+  const std::unique_ptr<TrialEvaluation> task = first_cell(study, index);
   const Drawn drawn{*sweep.injection, task->injections.size() - 1, shown_level(sweep)};
   text += indented(cat(sweep.injection->canonical(), "; drawn at level ", drawn.level), 2);
   task->evaluation.cells.front().levels.back() = drawn.level;
@@ -189,11 +196,12 @@ void command_preview(CLI::App& app, int&) {
   command->footer("Example:\n  gust preview studies/demo.toml");
   command->callback([options] {
     const Study study = StudyFolder::read(options->study, options->settings);
-    const PlantSpec& spec = study.setup.plant->spec();
+    const Interface& spec = study.setup.plant->spec();
     for (const std::string& warning : study_warnings(study)) tell(cat("warning: ", warning));
-    std::string text = indented(cat(study.name, ": ", study.setup.plant.kind, ", ", study.setup.preset, ", ",
-                                    spec.steps, " control steps at ", spec.control_rate, " Hz"),
-                                0);
+    std::string text =
+        indented(cat(study.name, ": ", study.setup.plant.kind, study.setup.preset.empty() ? "" : ", ",
+                     study.setup.preset, ", ", spec.steps, " control steps at ", spec.control_rate, " Hz"),
+                 0);
     text += preview_always(study) + preview_training(study);
     for (std::size_t i = 0; i < study.sweeps.size(); ++i) text += preview_sweep(study, i);
     print_lines(text);

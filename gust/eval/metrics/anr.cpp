@@ -5,7 +5,7 @@ namespace {
 
 struct Anr {
   static constexpr MetricTraits kTraits = {
-      .title = "return / length", .role = MetricRole::score, .higher_is_better = true, .low = 0, .high = 1, .lead = 2};
+      .title = "return / length", .role = MetricRole::score, .higher_is_better = true, .mean_reward = true, .lead = 2};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.ended.return_sum / steps_of(episode.ended); }

@@ -5,7 +5,7 @@ namespace {
 
 struct AnrH {
   static constexpr MetricTraits kTraits = {
-      .title = "return / horizon", .role = MetricRole::score, .higher_is_better = true, .low = 0, .high = 1, .lead = 1};
+      .title = "return / horizon", .role = MetricRole::score, .higher_is_better = true, .mean_reward = true, .lead = 1};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.ended.return_sum / static_cast<double>(episode.horizon); }

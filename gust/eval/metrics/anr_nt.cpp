@@ -7,8 +7,8 @@ struct AnrNt {
   static constexpr MetricTraits kTraits = {.title = "return / horizon, not terminated",
                                            .role = MetricRole::score,
                                            .higher_is_better = true,
-                                           .low = 0,
-                                           .high = 1};
+                                           .needs = {.after_failure = true},
+                                           .mean_reward = true};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return episode.whole.return_sum / static_cast<double>(episode.horizon); }

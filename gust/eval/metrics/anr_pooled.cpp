@@ -5,7 +5,7 @@ namespace {
 
 struct AnrPooled {
   static constexpr MetricTraits kTraits = {
-      .title = "mean return / mean length", .role = MetricRole::score, .higher_is_better = true, .low = 0, .high = 1};
+      .title = "mean return / mean length", .role = MetricRole::score, .higher_is_better = true, .mean_reward = true};
   static constexpr Quotient kQuotient = {"return_sum", "length"};
   static constexpr std::tuple<> kFields = {};
 

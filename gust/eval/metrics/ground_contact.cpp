@@ -4,11 +4,14 @@ namespace gust {
 namespace {
 
 struct GroundContact {
-  static constexpr MetricTraits kTraits = {
-      .title = "ground contact", .role = MetricRole::diagnostic, .higher_is_better = false, .zero_or_one = true};
+  static constexpr MetricTraits kTraits = {.title = "ground contact",
+                                           .role = MetricRole::diagnostic,
+                                           .higher_is_better = false,
+                                           .zero_or_one = true,
+                                           .needs = {.state = true}};
   static constexpr std::tuple<> kFields = {};
 
-  static bool applies(const PlantSpec& spec) { return spec.contact.has_value(); }
+  static bool applies(const Interface& spec) { return spec.ground; }
   double value(const Episode& episode) const { return episode.touched_ground ? 1.0 : 0.0; }
 };
 

@@ -4,11 +4,14 @@ namespace gust {
 namespace {
 
 struct MaxAbsTheta {
-  static constexpr MetricTraits kTraits = {
-      .title = "max abs theta", .unit = "rad", .role = MetricRole::diagnostic, .higher_is_better = false};
+  static constexpr MetricTraits kTraits = {.title = "max abs theta",
+                                           .unit = "rad",
+                                           .role = MetricRole::diagnostic,
+                                           .higher_is_better = false,
+                                           .needs = {.state = true}};
   static constexpr std::tuple<> kFields = {};
 
-  static bool applies(const PlantSpec& spec) { return has_state(spec, spec.angle, "theta"); }
+  static bool applies(const Interface& spec) { return has_state(spec, spec.angle, "theta"); }
   double value(const Episode& episode) const { return max_abs(episode.ended, episode.angle); }
 };
 

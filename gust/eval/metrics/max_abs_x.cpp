@@ -4,11 +4,14 @@ namespace gust {
 namespace {
 
 struct MaxAbsX {
-  static constexpr MetricTraits kTraits = {
-      .title = "max abs x", .unit = "m", .role = MetricRole::diagnostic, .higher_is_better = false};
+  static constexpr MetricTraits kTraits = {.title = "max abs x",
+                                           .unit = "m",
+                                           .role = MetricRole::diagnostic,
+                                           .higher_is_better = false,
+                                           .needs = {.state = true}};
   static constexpr std::tuple<> kFields = {};
 
-  static bool applies(const PlantSpec& spec) { return has_state(spec, 0, "x"); }
+  static bool applies(const Interface& spec) { return has_state(spec, 0, "x"); }
   double value(const Episode& episode) const { return max_abs(episode.ended, 0); }
 };
 

@@ -8,6 +8,7 @@ struct RmsePaper {
                                            .unit = "mixed",
                                            .role = MetricRole::error,
                                            .higher_is_better = false,
+                                           .needs = {.goal = true, .after_failure = true},
                                            .sums_over_row = true,
                                            .lead = 4};
   static constexpr std::tuple<> kFields = {};

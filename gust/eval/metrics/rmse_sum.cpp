@@ -8,6 +8,7 @@ struct RmseSum {
                                            .unit = "mixed",
                                            .role = MetricRole::error,
                                            .higher_is_better = false,
+                                           .needs = {.goal = true},
                                            .sums_over_row = true};
   static constexpr std::tuple<> kFields = {};
 

@@ -4,8 +4,12 @@ namespace gust {
 namespace {
 
 struct Saturation {
-  static constexpr MetricTraits kTraits = {
-      .title = "saturation", .role = MetricRole::saturation, .higher_is_better = false, .low = 0, .high = 1};
+  static constexpr MetricTraits kTraits = {.title = "saturation",
+                                           .role = MetricRole::saturation,
+                                           .higher_is_better = false,
+                                           .needs = {.effort = true},
+                                           .low = 0,
+                                           .high = 1};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const {

@@ -8,6 +8,7 @@ struct SquaredStateSum {
                                            .unit = "mixed",
                                            .role = MetricRole::error,
                                            .higher_is_better = false,
+                                           .needs = {.state = true},
                                            .sums_over_row = true};
   static constexpr std::tuple<> kFields = {};
 

@@ -8,6 +8,7 @@ struct Survival {
                                            .role = MetricRole::survival,
                                            .higher_is_better = true,
                                            .zero_or_one = true,
+                                           .needs = {.failure = true},
                                            .low = 0,
                                            .high = 1,
                                            .lead = 3};

@@ -4,8 +4,11 @@ namespace gust {
 namespace {
 
 struct TimeToFailure {
-  static constexpr MetricTraits kTraits = {
-      .title = "time to failure", .unit = "s", .role = MetricRole::failure_time, .higher_is_better = true};
+  static constexpr MetricTraits kTraits = {.title = "time to failure",
+                                           .unit = "s",
+                                           .role = MetricRole::failure_time,
+                                           .higher_is_better = true,
+                                           .needs = {.failure = true}};
   static constexpr std::tuple<> kFields = {};
 
   double value(const Episode& episode) const { return static_cast<double>(episode.safe_steps) / episode.control_rate; }

@@ -263,6 +263,7 @@ PlantSpec Quadrotor::spec() const {
                      {"inertia", "kg m^2", inertia}};
   spec.hidden = kHidden;
   spec.contact = kContact;
+  spec.ground = true;
   spec.control_rate = control_rate;
   spec.physics_rate = physics_rate;
   spec.steps = steps;

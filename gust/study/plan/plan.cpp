@@ -25,16 +25,8 @@ void name_trial(Trial& trial, std::string_view label) {
   trial.id = cat(slug(label, 40), "-", hash_hex(trial.canonical).substr(0, 20));
 }
 
-std::string common_text(const std::string& preset, const std::string& plant, const Readings& readings) {
-  return cat("preset ", preset, "\nplant ", plant, "\nreadings ", canonical_fields(readings), "\n");
-}
-
-std::string common_text(const Study& study) {
-  return common_text(study.setup.preset, study.setup.plant.canonical(), study.setup.readings);
-}
-
 /// Whether commands clipped to the policy's box are those that the actuator would clip anyway.
-bool box_is_actuator(const PlantSpec& spec) {
+bool box_is_actuator(const Interface& spec) {
   if (!spec.normalized_action) return true;
   for (std::size_t i = 0; i < spec.action.size(); ++i) {
     if (spec.action_offset[i] - spec.action_scale[i] != spec.action_low[i] ||
@@ -48,14 +40,13 @@ bool box_is_actuator(const PlantSpec& spec) {
 /// reward does not charge the sum that is clipped, when the actuator clips it: such trainings have one text and are
 /// shared.
 std::string training_text(const Study& study, const PolicyTraining& training) {
-  if (!training.disturbed.empty() || training.agent->disturbs()) return common_text(study);
-  Readings readings = study.setup.readings;
-  Made<Plant> plant = study.setup.plant;
-  readings.tap_point = Readings{}.tap_point;
-  plant.options = plant.options.with("tap_point", canonical_text(readings.tap_point));
-  if (readings.effort != "disturbed" && box_is_actuator(study.setup.plant->spec()))
-    readings.saturate = Readings{}.saturate;
-  return common_text(study.setup.preset, plant.canonical(), readings);
+  Setup setup = study.setup;
+  if (!training.disturbed.empty() || training.agent->disturbs()) return setup.canonical();
+  setup.readings.tap_point = Readings{}.tap_point;
+  setup.plant.options = setup.plant.options.with("tap_point", canonical_text(setup.readings.tap_point));
+  if (setup.readings.effort != "disturbed" && box_is_actuator(setup.plant->spec()))
+    setup.readings.saturate = Readings{}.saturate;
+  return setup.canonical();
 }
 
 std::string injections_text(const std::vector<Injection>& injections) {
@@ -101,7 +92,7 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
   trial.what = cat("train ", member_label(study.policies[policy], member));
   if (!training.randomised.draws.empty())
     trial.what += cat(" · randomise ", training.randomised.label(study.setup.plant->spec()));
-  trial.seconds = training_seconds(*training.agent.object, study.setup.plant->spec());
+  trial.seconds = training_seconds(*training.agent.object, *study.setup.plant);
   name_trial(trial, cat(training.agent.kind, " s", training.seeds[member]));
   return trial;
 }
@@ -109,7 +100,7 @@ Trial train_trial(const Study& study, std::size_t policy, std::size_t member) {
 Trial search_trial(const Study& study, Trial trial, const Plan& plan) {
   const Sweep& sweep = study.sweeps[trial.sweep];
   trial.kind = Trial::Kind::kSearch;
-  trial.canonical = cat("search v", kSearchVersion, "\n", common_text(study), policy_text(study, trial, plan),
+  trial.canonical = cat("search v", kSearchVersion, "\n", study.setup.canonical(), policy_text(study, trial, plan),
                         injections_text(study.always), setting_text(study, sweep), "sweep ",
                         sweep.injection->canonical(), "\nseed ", study.seed, "\n");
   trial.what = cat("search ", member_label(study.policies[trial.policy], trial.member), " · ", sweep.name);
@@ -146,16 +137,16 @@ std::string sweep_label(const Study& study, const Trial& trial) {
 
 /// What one episode and one cell after the other take.
 double evaluation_seconds(const Study& study, double cells) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   const double steps =
       cells * static_cast<double>(study.starts.size()) * static_cast<double>(study.episodes * spec.steps);
-  return steps * (kSecondsPerEpisodeStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate);
+  return steps * (kSecondsPerEpisodeStep + study.setup.plant->seconds_per_step());
 }
 
 Trial evaluate_trial(const Study& study, Trial trial, const Plan& plan) {
   trial.kind = Trial::Kind::kEvaluate;
   trial.canonical =
-      cat("evaluate v", kEvaluateVersion, "\n", common_text(study), policy_text(study, trial, plan),
+      cat("evaluate v", kEvaluateVersion, "\n", study.setup.canonical(), policy_text(study, trial, plan),
           injections_text(study.always), sweep_text(study, trial), starts_text(study), "episodes ", study.episodes,
           "\nterminate ", study.terminate, "\nseed ", study.seed, "\ntraces worst ", study.traces.worst, " median ",
           study.traces.median, " by ", study.metric_set.name(study.metrics.front()), "\n");
@@ -266,7 +257,7 @@ void set_levels(Study& study, const FoundLevels& found) {
   for (const auto& [sweep, levels] : found) study.sweeps[sweep].axes.front().values = levels;
 }
 
-double search_limit(const Injection& injection, const PlantSpec& spec) {
+double search_limit(const Injection& injection, const Interface& spec) {
   if (injection.is_effect()) return injection.effect->limit(spec.control_rate);
   return injection.site == Site::kObservation ? 12.0 : 60.0;
 }

@@ -57,6 +57,6 @@ void set_levels(Study& study, const FoundLevels& found);
 std::vector<double> common_levels(const std::vector<double>& failure_levels, double limit);
 
 /// Beyond this level of a disturbance the search for a failure ends.
-double search_limit(const Injection& injection, const PlantSpec& spec);
+double search_limit(const Injection& injection, const Interface& spec);
 
 }  // namespace gust

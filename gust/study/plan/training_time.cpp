@@ -8,8 +8,8 @@ constexpr double kSecondsPerTrainingStep = 1e-6;
 
 }  // namespace
 
-double training_seconds(const Agent& agent, const PlantSpec& spec) {
-  const double step = kSecondsPerTrainingStep + kSecondsPerSubstep * spec.physics_rate / spec.control_rate;
+double training_seconds(const Agent& agent, const LoopSource& source) {
+  const double step = kSecondsPerTrainingStep + source.seconds_per_step();
   return static_cast<double>(agent.steps()) * (step + kSecondsPerOperation * agent.work());
 }
 

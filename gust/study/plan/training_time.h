@@ -1,12 +1,11 @@
 #pragma once
 
 #include "gust/agents/agent.h"
+#include "gust/control/loop_source.h"
 
 namespace gust {
 
-inline constexpr double kSecondsPerSubstep = 8e-9;  ///< of physics, on one core
-
 /// What a training takes on one core, guessed without having measured anything.
-double training_seconds(const Agent& agent, const PlantSpec& spec);
+double training_seconds(const Agent& agent, const LoopSource& source);
 
 }  // namespace gust

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gust/control/closed_loop.h"
 #include "gust/core/text.h"
 
 namespace gust {
@@ -16,7 +15,7 @@ std::string names_of(const std::vector<Component>& components) {
 }
 
 void check_sizes(const OnnxModel& model, std::string_view name, const Setup& setup, const PolicyUse& use) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   const std::size_t observed = use.interface.observe.size();
   if (observed > 0 && model.observations() != observed) {
     throw Error(cat(name, ": the policy takes ", model.observations(), " numbers; 'observe' gives ", observed));
@@ -56,15 +55,15 @@ void check_metadata(const OnnxModel& model, std::string_view name, const Setup& 
 /// unit.
 std::string beyond_box(Policy& policy, const Setup& setup) {
   constexpr std::size_t kStarts = 100;
-  const PlantSpec& spec = setup.plant->spec();
-  ClosedLoop loop(*setup.plant, setup.readings, {}, kStarts);
+  const Interface& spec = setup.plant->spec();
+  const std::unique_ptr<Loop> loop = setup.plant->make({}, kStarts);
   for (std::size_t lane = 0; lane < kStarts; ++lane)
-    loop.begin(lane, {.state = random_start(spec, Rng(0).split("unit").split(lane)),
-                      .parameters = nominal_parameters(spec),
-                      .levels = {},
-                      .signals = nullptr});
+    loop->begin(lane, {.state = setup.plant->start_state(random_starts(), Rng(0).split("unit").split(lane)),
+                       .parameters = nominal_parameters(spec),
+                       .levels = {},
+                       .signals = nullptr});
   Matrix<double> action(spec.action.size(), kStarts);
-  policy.act(loop.observation(), loop.steps_done(), action.view());
+  policy.act(loop->observation(), loop->steps_done(), action.view());
   std::size_t beyond = 0;
   double greatest = 0;
   for (std::size_t lane = 0; lane < kStarts; ++lane) {
@@ -79,7 +78,7 @@ std::string beyond_box(Policy& policy, const Setup& setup) {
 }
 
 /// "force = 10 N times action"
-std::string action_law(const PlantSpec& spec, std::size_t i) {
+std::string action_law(const Interface& spec, std::size_t i) {
   const std::string offset = spec.action_offset[i] == 0 ? "" : format("{:.4g} + ", spec.action_offset[i]);
   return format("{} = {}{:.4g} {} times action", spec.action[i].name, offset, spec.action_scale[i],
                 spec.action[i].unit);
@@ -87,7 +86,7 @@ std::string action_law(const PlantSpec& spec, std::size_t i) {
 
 /// What is assumed of a unit that nobody says.
 std::string assumed_unit(Policy& policy, const Setup& setup) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   return cat(" does not say the unit of its actions: they are taken as normalised (", action_law(spec, 0), ")",
              beyond_box(policy, setup), ". Say units = \"normalised\" or units = \"", spec.action.front().unit,
              "\" (--units)");
@@ -102,7 +101,7 @@ std::string level_text(const std::optional<double>& alpha) {
 FilePolicy file_policy(std::string_view bytes, std::string_view name, const Setup& setup, const PolicyUse& use) {
   const std::optional<float> alpha = use.alpha ? std::optional(static_cast<float>(*use.alpha)) : std::nullopt;
   OnnxModel model = read_onnx(bytes, name, {.alpha = alpha, .output = use.output, .data = use.data});
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   check_sizes(model, name, setup, use);
   check_metadata(model, name, setup);
   if (model.metadata.contains("gust.units") && !use.interface.act.empty())
@@ -120,13 +119,16 @@ std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view nam
   return std::move(file_policy(bytes, name, setup, use).policy);
 }
 
-std::string interface_hint(const PlantSpec& spec) {
+std::string interface_hint(const Interface& spec) {
+  const std::vector<Component>& seen = spec.measured();
+  const Component& turned = seen[std::min(spec.angle, seen.size() - 1)];
+  const std::string degrees = turned.unit == "rad" ? cat("{ ", turned.name, " = \"deg\" }, ") : "";
   std::vector<Component> action = spec.action;
   for (Component& component : action) component.unit = spec.action_unit();
   return cat("look at the order, sign and unit of what it observes and gives. gust gives it ",
              components_text(observed_components(spec)), " and takes ", components_text(action), "; observe = [\"",
-             spec.state.back().name, "\", \"-", spec.state[spec.angle].name, "\", { ", spec.state[spec.angle].name,
-             " = \"deg\" }, …] and act = { scale = -1 } say otherwise (--observe, --act)");
+             seen.back().name, "\", \"-", turned.name, "\", ", degrees,
+             "…] and act = { scale = -1 } say otherwise (--observe, --act)");
 }
 
 }  // namespace gust

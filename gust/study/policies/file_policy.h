@@ -17,6 +17,9 @@ inline constexpr Range kLevels{.low = 0, .high = 1, .low_open = true};
 /// "alpha 0.1\n", a part of canonical text: the risk level to act at; empty if it is the policy's own.
 std::string level_text(const std::optional<double>& alpha);
 
+/// The cascade that the plant says to be known to work; an Error at the place if it says none.
+std::unique_ptr<Policy> pd_policy(const Setup& setup, const Place& place);
+
 /// How a file's policy is used.
 struct PolicyUse {
   Arithmetic arithmetic = Arithmetic::kDouble;
@@ -42,6 +45,6 @@ std::unique_ptr<Policy> onnx_policy(std::string_view bytes, std::string_view nam
                                     const PolicyUse& use = {});
 
 /// Where to look when a foreign policy fails at once: what gust gives and takes, and how to say otherwise.
-std::string interface_hint(const PlantSpec& spec);
+std::string interface_hint(const Interface& spec);
 
 }  // namespace gust

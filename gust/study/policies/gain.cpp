@@ -65,7 +65,7 @@ struct Gain final : PolicySource {
   };
 
   void prepare(const PolicyContext& context) override {
-    const PlantSpec& spec = context.spec();
+    const PlantSpec& spec = context.equations("gain").spec();
     if (k && file) throw error_at(file->place, "'k' and 'file' say the same; give one of them");
     if (!k && !file) throw error_at(context.place, "a gain policy needs a 'k', such as [[-1, -2, 20, 4]], or a 'file'");
     if (observe) columns_ = *observe;
@@ -85,11 +85,12 @@ struct Gain final : PolicySource {
   }
 
   std::unique_ptr<Policy> make(const Setup& setup, const PolicyMember&) const override {
-    std::vector<FeedbackKnot> knots = reference_knots(*setup.plant, gain_);
+    const Plant& plant = setup.equations("gain", {});
+    std::vector<FeedbackKnot> knots = reference_knots(plant, gain_);
     for (FeedbackKnot& knot : knots) {
       for (std::size_t i = 0; i < rest_.size(); ++i) knot.action[static_cast<Eigen::Index>(i)] = rest_[i];
     }
-    return feedback_policy(*setup.plant, std::move(knots));
+    return feedback_policy(plant, std::move(knots));
   }
 
  private:
@@ -150,7 +151,7 @@ struct Gain final : PolicySource {
   }
 
   /// Which state each column of K belongs to, with its sign and unit.
-  std::vector<ObservedNumber> observed(const PlantSpec& spec) const {
+  std::vector<ObservedNumber> observed(const Interface& spec) const {
     Table table;
     if (columns_) table.set("observe", *columns_);
     std::vector<ObservedNumber> numbers = read_interface(table, spec).observe;
@@ -167,7 +168,7 @@ struct Gain final : PolicySource {
 
   /// K in SI units, a column a state.
   void scale_columns(const std::vector<ObservedNumber>& numbers, const std::vector<Row>& matrix,
-                     const NamedUnits& named, const PlantSpec& spec) {
+                     const NamedUnits& named, const Interface& spec) {
     check_shape(matrix, numbers, spec);
     const auto rows = static_cast<Eigen::Index>(spec.action.size());
     gain_ = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(spec.state.size()));
@@ -184,7 +185,7 @@ struct Gain final : PolicySource {
   }
 
   void check_shape(const std::vector<Row>& matrix, const std::vector<ObservedNumber>& numbers,
-                   const PlantSpec& spec) const {
+                   const Interface& spec) const {
     std::vector<std::string> names;
     for (const ObservedNumber& number : numbers) names.push_back(spec.state[*number.component].name);
     const std::string wanted = cat("K must be ", spec.action.size(), " x ", numbers.size(),

@@ -28,9 +28,8 @@ std::string toml(const Eigen::MatrixXd& matrix, const std::vector<double>& facto
 
 /// The greatest difference of two policies' states through episodes from random starts.
 double apart(const PolicySource& a, const PolicySource& b, const Setup& setup) {
-  const PlantSpec& spec = setup.plant->spec();
-  const Evaluation evaluation{.plant = setup.plant.object.get(),
-                              .readings = setup.readings,
+  const Interface& spec = setup.plant->spec();
+  const Evaluation evaluation{.source = setup.plant.object.get(),
                               .injections = {},
                               .cells = {{{}, nominal_parameters(spec)}},
                               .starts = {random_starts()},
@@ -64,8 +63,8 @@ TEST_CASE("SciPy's gain of the cart-pole gives the closed loop of the regulator"
   const Setup setup = setup_of(kCartpole);
   const auto lqr = source_of("kind = \"lqr\"\nq = [5, 0.1, 1, 0.1]\nr = [1e-4]", setup);
   const auto scipy = source_of(cat("kind = \"gain\"\nk = ", toml(scipy_gain())), setup);
-  const auto own =
-      source_of(cat("kind = \"gain\"\nk = ", toml(lqr_gain(*setup.plant, {{5, 0.1, 1, 0.1}, {1e-4}}))), setup);
+  const auto own = source_of(
+      cat("kind = \"gain\"\nk = ", toml(lqr_gain(setup.equations("lqr", {}), {{5, 0.1, 1, 0.1}, {1e-4}}))), setup);
 
   CHECK(apart(*lqr, *scipy, setup) < 1e-8);  // the Riccati equation's condition is about 1e6
   CHECK(apart(*lqr, *own, setup) == 0.0);
@@ -106,10 +105,10 @@ TEST_CASE("a gain in a CSV file is the one in the study, with or without the nam
 
 TEST_CASE("a gain acts about the reference, and about the action that holds it unless the study says another") {
   const Setup setup = setup_of("kind = \"quadrotor\"");
-  const PlantSpec& spec = setup.plant->spec();
+  const PlantSpec& spec = setup.equations("lqr", {}).spec();
   Matrix<double> seen(spec.observations(), 1);
   std::vector<double> goal(spec.state.size());
-  setup.plant->reference(0, goal);
+  setup.equations("lqr", {}).reference(0, goal);
   for (std::size_t i = 0; i < goal.size(); ++i) seen.at(i, 0) = goal[i];
   const std::string zeros = "kind = \"gain\"\nk = [[0,0,0,0,0,0],[0,0,0,0,0,0]]";
 
@@ -126,15 +125,16 @@ TEST_CASE("a gain acts about the reference, and about the action that holds it u
 
 TEST_CASE("a gain aims at a moving reference as a cascade does") {
   const Setup setup = setup_of("kind = \"quadrotor\"");
-  REQUIRE(setup.plant->spec().references > 1);
-  const Eigen::MatrixXd k = lqr_gain(*setup.plant, reward_weights(setup.plant->spec()));
+  const Plant& plant = setup.equations("lqr", {});
+  REQUIRE(plant.spec().references > 1);
+  const Eigen::MatrixXd k = lqr_gain(plant, reward_weights(plant.spec()));
   const auto source = source_of(cat("kind = \"gain\"\nk = ", toml(k)), setup);
   const auto seen = some_observations(setup.plant->spec(), 1);
   const std::int64_t steps[] = {40};
   Matrix<double> ours(2, 1), theirs(2, 1);
 
   source->make(setup, {})->act(seen.view(), steps, ours.view());
-  feedback_policy(*setup.plant, k)->act(seen.view(), steps, theirs.view());
+  feedback_policy(plant, k)->act(seen.view(), steps, theirs.view());
 
   for (std::size_t i = 0; i < 2; ++i) CHECK(ours.at(i, 0) == theirs.at(i, 0));
 }

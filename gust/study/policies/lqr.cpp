@@ -20,10 +20,11 @@ struct Lqr final : PolicySource {
   };
 
   void prepare(const PolicyContext& context) override {
-    const LqrWeights standard = reward_weights(context.spec());
+    const Plant& plant = context.equations("lqr");
+    const LqrWeights standard = reward_weights(plant.spec());
     weights_ = {numbers_or(q, "q", standard.q), numbers_or(r, "r", standard.r)};
     try {
-      lqr_gain(*context.setup.plant, weights_);
+      lqr_gain(plant, weights_);
     } catch (const Error& error) {
       throw error_at(context.place, error.what());
     }
@@ -34,7 +35,7 @@ struct Lqr final : PolicySource {
   }
 
   std::unique_ptr<Policy> make(const Setup& setup, const PolicyMember&) const override {
-    return lqr_policy(*setup.plant, weights_);
+    return lqr_policy(setup.equations("lqr", {}), weights_);
   }
 
  private:

@@ -8,12 +8,13 @@ struct Pd final : PolicySource {
   static constexpr std::tuple<> kFields = {};
 
   void prepare(const PolicyContext& context) override {
-    if (context.spec().cascade) return;
+    if (context.equations("pd").spec().cascade) return;
     throw error_at(context.place, "the plant ", context.setup.plant.kind, " has no policy 'pd'; try lqr or zero");
   }
   std::string canonical(const PolicyMember&) const override { return "pd\n"; }
   std::unique_ptr<Policy> make(const Setup& setup, const PolicyMember&) const override {
-    return cascade_policy(*setup.plant, *setup.plant->spec().cascade);
+    const Plant& plant = setup.equations("pd", {});
+    return cascade_policy(plant, *plant.spec().cascade);
   }
 };
 

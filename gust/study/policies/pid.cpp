@@ -50,7 +50,7 @@ struct PidLoop {
 };
 
 /// One loop as it is computed, in SI units.
-struct Loop {
+struct LoopLaw {
   enum class Windup { kClamp, kBack, kNone };
 
   std::size_t of = 0;  ///< state
@@ -66,7 +66,7 @@ struct Loop {
 /// docs/policies.md 4.
 class PidPolicy final : public Policy {
  public:
-  PidPolicy(const Plant& plant, std::vector<Loop> loops, std::vector<double> rest, std::vector<Component> memory)
+  PidPolicy(const Plant& plant, std::vector<LoopLaw> loops, std::vector<double> rest, std::vector<Component> memory)
       : loops_(std::move(loops)),
         rest_(std::move(rest)),
         components_(std::move(memory)),
@@ -90,7 +90,7 @@ class PidPolicy final : public Policy {
       const FeedbackKnot& knot = knots_[std::min(static_cast<std::size_t>(step[lane]), knots_.size() - 1)];
       for (std::size_t i = 0; i < aim_.size(); ++i) aim_[i] = knot.state[static_cast<Eigen::Index>(i)];
       action_ = rest_;
-      for (const Loop& loop : loops_) {
+      for (const LoopLaw& loop : loops_) {
         const double value = observation.at(loop.of, lane);
         const double output = run(loop, lane, value, all_anew || step[lane] == 0);
         (loop.to_action ? action_ : aim_)[loop.to] += output;
@@ -100,7 +100,7 @@ class PidPolicy final : public Policy {
   }
 
  private:
-  double run(const Loop& loop, std::size_t lane, double value, bool anew) {
+  double run(const LoopLaw& loop, std::size_t lane, double value, bool anew) {
     const double error = aim_[loop.of] - value;
     double integral = 0, slope = 0;
     if (loop.ki != 0) integral = anew ? 0.0 : memory_.at(loop.integral, lane);
@@ -111,7 +111,7 @@ class PidPolicy final : public Policy {
     return output;
   }
 
-  double derivative(const Loop& loop, std::size_t lane, double input, bool anew) {
+  double derivative(const LoopLaw& loop, std::size_t lane, double input, bool anew) {
     const double last = anew ? input : memory_.at(loop.last, lane);
     const double before = anew ? 0.0 : memory_.at(loop.slope, lane);
     const double gain = loop.on_measurement ? -loop.kd : loop.kd;
@@ -122,14 +122,14 @@ class PidPolicy final : public Policy {
   }
 
   /// What the integral takes up for the next step.
-  double growth(const Loop& loop, double error, double wanted, double output) const {
+  double growth(const LoopLaw& loop, double error, double wanted, double output) const {
     const double step = loop.ki * period_ * error;
-    if (loop.windup == Loop::Windup::kBack) return step + period_ / loop.tracking * (output - wanted);
+    if (loop.windup == LoopLaw::Windup::kBack) return step + period_ / loop.tracking * (output - wanted);
     const bool beyond = (wanted > loop.high && step > 0) || (wanted < loop.low && step < 0);
-    return loop.windup == Loop::Windup::kClamp && beyond ? 0.0 : step;
+    return loop.windup == LoopLaw::Windup::kClamp && beyond ? 0.0 : step;
   }
 
-  std::vector<Loop> loops_;
+  std::vector<LoopLaw> loops_;
   std::vector<double> rest_;
   std::vector<Component> components_;
   std::size_t observations_;
@@ -162,7 +162,7 @@ struct Pid final : PolicySource, PidLoop {
                 "the action without an output, in the unit of the actions; by default what holds the goal")});
 
   void prepare(const PolicyContext& context) override {
-    const PlantSpec& spec = context.spec();
+    const PlantSpec& spec = context.equations("pid").spec();
     const NamedUnits named = read_units(units ? &*units : nullptr, spec);
     if (!loops) add_loop(*this, context.place, named, spec);
     const bool one = of || to || canonical_fields<PidLoop>(*this) != canonical_fields(PidLoop{});
@@ -184,7 +184,7 @@ struct Pid final : PolicySource, PidLoop {
   std::string canonical(const PolicyMember&) const override {
     static constexpr std::string_view kWindups[] = {"clamp", "back", "none"};
     std::string text = "pid";
-    for (const Loop& loop : loops_) {
+    for (const LoopLaw& loop : loops_) {
       text += cat(" loop ", loop.of, loop.to_action ? " action " : " state ", loop.to, " kp ", loop.kp, " ki ", loop.ki,
                   " kd ", loop.kd, " filter ", loop.filter, " low ", loop.low, " high ", loop.high, " windup ",
                   kWindups[static_cast<int>(loop.windup)], " tracking ", loop.tracking, " derivative ",
@@ -194,12 +194,12 @@ struct Pid final : PolicySource, PidLoop {
   }
 
   std::unique_ptr<Policy> make(const Setup& setup, const PolicyMember&) const override {
-    return std::make_unique<PidPolicy>(*setup.plant, loops_, rest_, memory_);
+    return std::make_unique<PidPolicy>(setup.equations("pid", {}), loops_, rest_, memory_);
   }
 
  private:
-  void add_loop(const PidLoop& written, const Place& place, const NamedUnits& named, const PlantSpec& spec) {
-    Loop loop;
+  void add_loop(const PidLoop& written, const Place& place, const NamedUnits& named, const Interface& spec) {
+    LoopLaw loop;
     loop.of = named_in(spec.state, written.of, "of", place);
     aim_at(loop, written, place, spec);
     const double output = loop.to_action ? named.action[loop.to].scale : 1 / named.state[loop.to];
@@ -216,7 +216,7 @@ struct Pid final : PolicySource, PidLoop {
     loop.on_measurement = written.derivative == "measurement";
     if (loop.kp == 0 && loop.ki == 0 && loop.kd == 0)
       throw error_at(place, "the loop of ", spec.state[loop.of].name, " does nothing; give it a 'kp', 'ki' or 'kd'");
-    for (const Loop& other : loops_) {
+    for (const LoopLaw& other : loops_) {
       if (other.of == loop.of && other.to_action == loop.to_action && other.to == loop.to)
         throw error_at(place, "two loops are of ", spec.state[loop.of].name, " to the same output; make them one");
     }
@@ -237,7 +237,7 @@ struct Pid final : PolicySource, PidLoop {
                    "; choose from ", join(names, ", "));
   }
 
-  static void aim_at(Loop& loop, const PidLoop& written, const Place& place, const PlantSpec& spec) {
+  static void aim_at(LoopLaw& loop, const PidLoop& written, const Place& place, const Interface& spec) {
     if (!written.to && spec.action.size() == 1) return;  // the only action
     std::vector<Component> all = spec.action;
     all.insert(all.end(), spec.state.begin(), spec.state.end());
@@ -246,18 +246,18 @@ struct Pid final : PolicySource, PidLoop {
     if (!loop.to_action) loop.to -= spec.action.size();
   }
 
-  static void set_windup(Loop& loop, const PidLoop& written, const Place& place) {
-    loop.windup = written.windup == "clamp"  ? Loop::Windup::kClamp
-                  : written.windup == "back" ? Loop::Windup::kBack
-                                             : Loop::Windup::kNone;
-    if (loop.windup != Loop::Windup::kBack) return;
+  static void set_windup(LoopLaw& loop, const PidLoop& written, const Place& place) {
+    loop.windup = written.windup == "clamp"  ? LoopLaw::Windup::kClamp
+                  : written.windup == "back" ? LoopLaw::Windup::kBack
+                                             : LoopLaw::Windup::kNone;
+    if (loop.windup != LoopLaw::Windup::kBack) return;
     loop.tracking = written.tracking > 0 ? written.tracking : written.ki == 0 ? 1.0 : written.kp / written.ki;
     if (!(loop.tracking > 0))
       throw error_at(place, "windup = \"back\" needs a 'tracking' > 0, since kp / ki is ", loop.tracking);
   }
 
   /// What the loop keeps from one control step to the next.
-  void remember(Loop& loop, const PlantSpec& spec) {
+  void remember(LoopLaw& loop, const Interface& spec) {
     const Component& of = spec.state[loop.of];
     const Component& to = loop.to_action ? spec.action[loop.to] : spec.state[loop.to];
     const std::string which = cat(" of ", of.name, " to ", to.name);
@@ -272,7 +272,7 @@ struct Pid final : PolicySource, PidLoop {
   }
 
   /// A loop that gives a reference stands before every loop that follows it, and there is one.
-  void check_cascade(std::size_t outer, const PlantSpec& spec) const {
+  void check_cascade(std::size_t outer, const Interface& spec) const {
     if (loops_[outer].to_action) return;
     const std::string& state = spec.state[loops_[outer].to].name;
     bool followed = false;
@@ -285,7 +285,7 @@ struct Pid final : PolicySource, PidLoop {
     if (!followed) throw error_at(places_[outer], "no loop is of ", state, ", whose reference this one gives");
   }
 
-  std::vector<Loop> loops_;
+  std::vector<LoopLaw> loops_;
   std::vector<Place> places_;  // where each is written
   std::vector<double> rest_;
   std::vector<Component> memory_;

@@ -53,7 +53,7 @@ inline Matrix<double> first_actions(const PolicySource& source, const Setup& set
 }
 
 /// Numbers that look like observations: of every row and lane other ones.
-inline Matrix<double> some_observations(const PlantSpec& spec, std::size_t lanes) {
+inline Matrix<double> some_observations(const Interface& spec, std::size_t lanes) {
   Matrix<double> seen(spec.observations(), lanes);
   for (std::size_t i = 0; i < seen.rows(); ++i) {
     for (std::size_t lane = 0; lane < lanes; ++lane) seen.at(i, lane) = Rng(9).split(i).split(lane).uniform(0) - 0.5;

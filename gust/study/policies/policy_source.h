@@ -28,7 +28,9 @@ struct PolicyContext {
   const FindFiles& find;
   Place place;  ///< of the [[policy]]
 
-  const PlantSpec& spec() const { return setup.plant->spec(); }
+  const Interface& spec() const { return setup.plant->spec(); }
+  /// The equations of motion; an Error that names what needs them if the setup has none.
+  const Plant& equations(std::string_view what) const { return setup.equations(what, place); }
 };
 
 /// What has to be trained before there are policies: one training a seed.

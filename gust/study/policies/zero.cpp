@@ -8,7 +8,7 @@ struct Zero final : PolicySource {
 
   std::string canonical(const PolicyMember&) const override { return "zero\n"; }
   std::unique_ptr<Policy> make(const Setup& setup, const PolicyMember&) const override {
-    const PlantSpec& spec = setup.plant->spec();
+    const Interface& spec = setup.plant->spec();
     return zero_policy(spec.observations(), spec.action.size());
   }
 };

@@ -269,8 +269,8 @@ void ClaimScores::add_margin(const Place& place, const std::string& metric, Form
   if (!curve.no_margin.empty() || place.source->measured == nullptr) return;
   const Place nominal{place.source, place.policy, Trial::kNominal};
   try {
-    const std::string& survival = place.source->study->metric_set.name_of(MetricRole::survival);
-    curve.no_margin = survival_obstacle(cells(nominal, survival).front().estimate());
+    const std::string survival = place.source->study->metric_set.name_of(MetricRole::survival);
+    if (!survival.empty()) curve.no_margin = survival_obstacle(cells(nominal, survival).front().estimate());
     Sampled undisturbed = cells(nominal, metric).front();
     if (undisturbed.n < 2) undisturbed = Sampled::constant(undisturbed.estimate());  // one episode, from a fixed start
     curve.undisturbed = std::move(undisturbed);

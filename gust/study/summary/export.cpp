@@ -26,10 +26,9 @@ ExportRow head_of(const Study& study, const Trial& trial) {
 
 void set_levels(const Study& study, const Trial& trial, std::size_t cell, ExportRow& row) {
   if (trial.sweep == Trial::kNominal) return;
-  const std::vector<Sweep::Axis>& axes = study.sweeps[trial.sweep].axes;
-  const std::size_t inner = axes.size() == 2 ? axes[1].values.size() : 1;
-  row.level = axes[0].values[cell / inner];
-  if (axes.size() == 2) row.level_2 = axes[1].values[cell % inner];
+  const std::vector<double> at = study.sweeps[trial.sweep].at(cell);
+  row.level = at[0];
+  if (at.size() == 2) row.level_2 = at[1];
 }
 
 using TakeRow = std::function<void(const ExportRow&)>;
@@ -169,14 +168,14 @@ void insert_learning(Database& database, const Study& study, const Plan& plan, c
 ExportRow export_head(const Study& study, std::size_t policy, std::size_t member, std::size_t sweep_index) {
   ExportRow row;
   row.plant = study.setup.plant.kind;
-  row.preset = study.setup.preset;
-  row.readings = canonical_fields(study.setup.readings);
+  row.preset = study.setup.preset.empty() ? "none" : study.setup.preset;
+  row.readings = study.setup.preset.empty() ? "none" : study.setup.readings_text();
   row.policy = study.policies[policy].name;
   row.seed = study.policies[policy].member(member);
   for (std::string* text : {&row.sweep, &row.site, &row.channels, &row.waveform, &row.window}) *text = "none";
   if (sweep_index == Trial::kNominal) return row;
   const Sweep& sweep = study.sweeps[sweep_index];
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   row.sweep = sweep.name;
   row.site = "parameters";
   if (const std::optional<Injection>& injection = sweep.injection) {

@@ -61,10 +61,8 @@ class SeriesLines {
 
   std::pair<std::string, std::string> levels_of(std::size_t cell) const {
     if (sweep() == nullptr) return {};
-    const std::vector<Sweep::Axis>& axes = sweep()->axes;
-    const std::size_t inner = axes.back().values.size();
-    if (axes.size() == 1) return {cat(axes[0].values[cell]), ""};
-    return {cat(axes[0].values[cell / inner]), cat(axes[1].values[cell % inner])};
+    const std::vector<double> at = sweep()->at(cell);
+    return {cat(at[0]), at.size() == 1 ? "" : cat(at[1])};
   }
 
   std::string line(const std::pair<std::string, std::string>& levels, const std::string& metric,

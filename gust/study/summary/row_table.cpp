@@ -67,15 +67,11 @@ class GroupBuilder {
 
   /// The study's levels first, in the order of its cells, then those beside them.
   void find_levels() {
-    if (key_.sweep == Trial::kNominal) {
-      levels_ = {RowLevel{}};
-    } else {
-      const std::vector<Sweep::Axis>& axes = study_.sweeps[key_.sweep].axes;
-      for (const double first : axes[0].values) {
-        if (axes.size() == 1) levels_.push_back({first});
-        for (std::size_t i = 0; axes.size() == 2 && i < axes[1].values.size(); ++i)
-          levels_.push_back({first, axes[1].values[i]});
-      }
+    const Sweep* sweep = key_.sweep == Trial::kNominal ? nullptr : &study_.sweeps[key_.sweep];
+    if (sweep == nullptr) levels_ = {RowLevel{}};
+    for (std::size_t cell = 0; sweep != nullptr && cell < sweep->cells(); ++cell) {
+      const std::vector<double> at = sweep->at(cell);
+      levels_.push_back({at[0], at.size() == 2 ? std::optional(at[1]) : std::nullopt});
     }
     group_.cells = levels_.size();
     for (const auto& [level, rows] : rows_.begin()->second) {

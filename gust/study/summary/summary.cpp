@@ -153,7 +153,7 @@ class Summariser {
   const Study& study_;
   std::vector<std::size_t> metrics_;
   std::size_t margin_metric_;
-  std::size_t survival_;
+  std::optional<std::size_t> survival_;
   Bootstrap bands_;
 };
 
@@ -208,10 +208,10 @@ void Series::add_level(double level, const std::vector<Estimate>& estimates) {
 
 std::vector<std::size_t> summarised_metrics(const Study& study) {
   std::vector<std::size_t> metrics = study.metrics;
-  const std::size_t more[] = {study.metric_set.first(MetricRole::survival),
-                              study.metric_set.first(MetricRole::saturation), margin_metric(study)};
-  for (const std::size_t metric : more) {
-    if (std::ranges::find(metrics, metric) == metrics.end()) metrics.push_back(metric);
+  const std::optional<std::size_t> more[] = {study.metric_set.first(MetricRole::survival),
+                                             study.metric_set.first(MetricRole::saturation), margin_metric(study)};
+  for (const std::optional<std::size_t>& metric : more) {
+    if (metric && std::ranges::find(metrics, *metric) == metrics.end()) metrics.push_back(*metric);
   }
   return metrics;
 }

@@ -32,7 +32,7 @@ struct Series {
   std::size_t units = 0;
   Margin margin = {};  ///< of the first metric that is better when higher; sweeps over levels only
   bool has_margin = false;
-  std::size_t not_finite = 0;  ///< episodes with numbers that were none
+  std::size_t not_finite = 0;  ///< episodes with NaN or infinities
 
   /// One of `metrics` in a cell.
   const Estimate& at(std::size_t metric, std::size_t cell) const;

@@ -28,13 +28,13 @@ void check_memory(std::uint64_t needed, std::uint64_t available, const Place& pl
 Made<Agent> make_agent(const Table& agent, const Setup& setup) {
   Made<Agent> made = agents().make(resolve_agent(agent, setup));
   const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
-  check_memory(made->memory(setup.plant->spec()), pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE)),
-               agent.place);
+  check_memory(made->memory(setup.equations("a training", agent.place).spec()),
+               pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE)), agent.place);
   return made;
 }
 
 Randomisation parse_randomise(const Value& value, const Setup& setup) {
-  const PlantSpec& spec = setup.plant->spec();
+  const Interface& spec = setup.plant->spec();
   const auto* name = std::get_if<std::string>(&value.data);
   if (name == nullptr) return read_randomisation(value.as_table("randomise"), spec);
   const Table ranges = preset_part(preset_at(setup.preset, setup.plant.kind), setup.plant.kind, "randomise");

@@ -107,7 +107,7 @@ TEST_CASE("a memory that the machine cannot hold is an error with the bytes") {
   const Setup setup = make_setup(plant);
   Table agent{{}, {"s.toml", 2, 1}};
   agent.set("kind", {std::string("sac"), {}});
-  CHECK(make_agent(agent, setup)->memory(setup.plant->spec()) == 44'000'000);
+  CHECK(make_agent(agent, setup)->memory(setup.plant->plant()->spec()) == 44'000'000);
   agent.set("buffer", {std::int64_t{1'000'000'000'000}, {}});
   agent.set("steps", {std::int64_t{1'000'000'000'000}, {}});
 

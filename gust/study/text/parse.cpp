@@ -31,11 +31,12 @@ void check_new_name(const std::vector<Item>& items, const std::string& name, con
 }
 
 /// An explicit initial state: { x = 0.1, theta = 0.05 }, the rest as in the preset.
-StartProtocol explicit_start(const Table& table, const PlantSpec& spec) {
+StartProtocol explicit_start(const Table& table, const LoopSource& source) {
   std::vector<std::string> names;
-  for (const Component& component : spec.state) names.push_back(component.name);
+  for (const Component& component : source.spec().state) names.push_back(component.name);
+  if (names.empty()) throw error_at(table.place, "the plant tells no state that a start could set; name a start");
   check_keys(table, names, "a start");
-  StartProtocol start = nominal_start(spec);
+  StartProtocol start = source.starts().front();
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Value* value = table.find(names[i]);
@@ -47,36 +48,44 @@ StartProtocol explicit_start(const Table& table, const PlantSpec& spec) {
   return start;
 }
 
-StartProtocol any_start(const Value& value, const PlantSpec& spec) {
-  if (const auto* table = std::get_if<Table>(&value.data)) return explicit_start(*table, spec);
+StartProtocol any_start(const Value& value, const LoopSource& source) {
+  if (const auto* table = std::get_if<Table>(&value.data)) return explicit_start(*table, source);
   const std::string& name = value.as_text("start");
-  if (name == "nominal") return nominal_start(spec);
-  if (name == "random") return random_starts();
-  throw error_at(value.place, "unknown start '", name, "'",
-                 did_you_mean(name, std::vector<std::string>{"nominal", "random"}),
-                 "; starts are nominal, random, or a state such as { x = 0.1 }");
+  std::vector<std::string> names;
+  for (StartProtocol& start : source.starts()) {
+    if (start.name == name) return std::move(start);
+    names.push_back(start.name);
+  }
+  const bool states = !source.spec().state.empty();
+  const std::string state = states ? cat(", or a state such as { ", source.spec().state.front().name, " = 0.1 }") : "";
+  throw error_at(value.place, "unknown start '", name, "'", did_you_mean(name, names), "; starts are ",
+                 join(names, ", "), state);
 }
 
-StartProtocol parse_start(const Value& value, const PlantSpec& spec) {
-  StartProtocol start = any_start(value, spec);
-  if (const std::string complaint = start_complaint(start, spec); !complaint.empty())
+StartProtocol parse_start(const Value& value, const LoopSource& source) {
+  StartProtocol start = any_start(value, source);
+  if (const std::string complaint = source.start_complaint(start); !complaint.empty())
     throw error_at(value.place, "start: ", complaint);
   return start;
 }
 
 void parse_evaluate(const Table& table, Study& study) {
   check_keys(table, {"episodes", "start", "terminate", "metrics", "disturb", "margin_tolerance"}, "[evaluate]");
-  const PlantSpec& spec = study.setup.plant->spec();
+  const LoopSource& source = *study.setup.plant;
   study.episodes = optional_int(table, "episodes", study.episodes, positive);
-  if (const Value* terminate = table.find("terminate")) study.terminate = terminate->as_bool("terminate");
+  if (const Value* terminate = table.find("terminate")) {
+    study.terminate = terminate->as_bool("terminate");
+    if (!study.terminate && !source.spec().goes_on)
+      throw error_at(terminate->place, "'terminate' must be true: the plant tells nothing after a failure");
+  }
   if (const Value* tolerance = table.find("margin_tolerance"))
     read_value(study.margin_tolerance, *tolerance, "margin_tolerance", between(0.0, 0.5));
   if (const Value* start = table.find("start")) {
     study.starts.clear();
     const auto* list = std::get_if<Value::List>(&start->data);
-    if (list == nullptr) study.starts.push_back(parse_start(*start, spec));
+    if (list == nullptr) study.starts.push_back(parse_start(*start, source));
     for (const Value& item : list ? *list : Value::List{}) {
-      study.starts.push_back(parse_start(item, spec));
+      study.starts.push_back(parse_start(item, source));
       for (std::size_t i = 0; i + 1 < study.starts.size(); ++i) {
         if (study.starts[i].name == study.starts.back().name)
           throw error_at(item.place, "duplicate start '", study.starts[i].name, "'");
@@ -96,7 +105,7 @@ void parse_evaluate(const Table& table, Study& study) {
     }
     if (study.metrics.empty()) throw error_at(names->place, "'metrics' must name at least one (gust list metrics)");
   }
-  if (const Value* disturb = table.find("disturb")) study.always = parse_disturb(*disturb, spec);
+  if (const Value* disturb = table.find("disturb")) study.always = parse_disturb(*disturb, source.spec());
 }
 
 /// The sweeps, of which every policy, seed by seed, measures every level.
@@ -142,7 +151,7 @@ void parse_head(const Table& table, Study& study) {
 }
 
 /// "dynamics step(offset = 2) on fx in steps 25:50 at 0.2": all that makes it another one.
-std::string injection_text(const Injection& injection, const PlantSpec& spec) {
+std::string injection_text(const Injection& injection, const Interface& spec) {
   const bool all = std::ranges::all_of(injection.factors, [](double factor) { return factor == 1; });
   const std::string& waveform = injection.shape();
   const std::string shape = waveform.ends_with("()") ? injection.kind() : waveform;
@@ -160,7 +169,14 @@ std::size_t Sweep::cells() const {
   return cells;
 }
 
-std::string Sweep::unit(const PlantSpec& spec, std::size_t axis) const {
+std::vector<double> Sweep::at(std::size_t cell) const {
+  std::vector<double> values(axes.size());
+  for (std::size_t a = axes.size(); a-- > 0; cell /= axes[a].values.size())
+    values[a] = axes[a].values[cell % axes[a].values.size()];
+  return values;
+}
+
+std::string Sweep::unit(const Interface& spec, std::size_t axis) const {
   if (!axes[axis].parameter.empty()) return spec.parameters[axes[axis].index].unit;
   if (injection->is_effect()) return std::string(injection->effect->unit());
   const std::vector<Component>& channels = channels_of(injection->site, spec);
@@ -172,7 +188,7 @@ std::string Sweep::unit(const PlantSpec& spec, std::size_t axis) const {
   return join(units, ", ");
 }
 
-std::string channels_text(const Injection& injection, const PlantSpec& spec) {
+std::string channels_text(const Injection& injection, const Interface& spec) {
   const std::vector<Component>& channels = channels_of(injection.site, spec);
   std::vector<std::string> parts;
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -182,7 +198,7 @@ std::string channels_text(const Injection& injection, const PlantSpec& spec) {
   return join(parts, " ");
 }
 
-std::string Sweep::setting(const PlantSpec& spec) const {
+std::string Sweep::setting(const Interface& spec) const {
   std::vector<std::string> parts;
   for (const auto& [index, value] : parameters) parts.push_back(cat(spec.parameters[index].name, " = ", value));
   for (const Injection& injection : disturbed) parts.push_back(injection_text(injection, spec));
@@ -225,7 +241,7 @@ std::int64_t optional_int(const Table& table, std::string_view key, std::int64_t
   return standard;
 }
 
-Injection parse_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also) {
+Injection parse_injection(const Table& table, const Interface& spec, const std::vector<std::string>& also) {
   const Value* channels = table.find("channels");
   const Value* mask = table.find("mask");
   if (channels && mask) throw error_at(mask->place, "'mask' and 'channels' say the same; give one of them");
@@ -238,7 +254,7 @@ Injection parse_injection(const Table& table, const PlantSpec& spec, const std::
                  join(names, ", "), " with a factor that is not 0");
 }
 
-std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec) {
+std::vector<Injection> parse_disturb(const Value& list, const Interface& spec) {
   std::vector<Injection> injections;
   for (const Value& item : list.as_list("disturb")) {
     const Table& table = item.as_table("disturb");
@@ -260,12 +276,12 @@ Study parse_study(std::string_view bytes, std::string_view name, const std::vect
     return study.found.emplace_back(find(pattern, place));
   };
   parse_head(table, study);
-  const PlantSpec& spec = study.setup.plant->spec();
-  study.starts = {nominal_start(spec), random_starts()};
+  study.starts = study.setup.plant->starts();
+  study.metric_set = MetricSet(study.setup.plant->spec());
   study.metrics = study.metric_set.leading();
   if (const Value* evaluate = table.find("evaluate")) parse_evaluate(evaluate->as_table("evaluate"), study);
   for (const StartProtocol& start : study.starts) {  // those of the study are checked: the plant's own
-    if (const std::string complaint = start_complaint(start, spec); !complaint.empty())
+    if (const std::string complaint = study.setup.plant->start_complaint(start); !complaint.empty())
       throw error_at(table.find("plant")->place, "start: ", complaint);
   }
   for (const Table* policy : tables_of(table, "policy")) {

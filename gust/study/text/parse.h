@@ -31,10 +31,10 @@ StudyClaim parse_claim_of(const Table& table, const Study& study);
 void parse_report(const Table& table, const FindFiles& find, Study& study);
 
 /// An injection as read_injection() reads it; one that reaches no channel is an Error, for it disturbs nothing.
-Injection parse_injection(const Table& table, const PlantSpec& spec, const std::vector<std::string>& also = {});
+Injection parse_injection(const Table& table, const Interface& spec, const std::vector<std::string>& also = {});
 
 /// "disturb = [ … ]": injections that are always on, each with its level.
-std::vector<Injection> parse_disturb(const Value& list, const PlantSpec& spec);
+std::vector<Injection> parse_disturb(const Value& list, const Interface& spec);
 
 /// { from, to, count } or a list, ascending and without repeats; at least one number.
 std::vector<double> parse_levels(const Value& value, std::string_view what);

@@ -42,7 +42,7 @@ std::vector<double> spaced(const Table& table, std::string_view what) {
 
 /// Values of a parameter: absolute, or factors of the nominal value.
 Sweep::Axis parameter_axis(const std::string& name, const Value& values, double unit, const Study& study) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   Sweep::Axis axis{name, parameter_index(spec, name, values.place), parse_levels(values, name)};
   for (double& value : axis.values) {
     value *= unit;
@@ -92,13 +92,16 @@ void parse_disturbance(const Table& table, const Study& study, Sweep& sweep) {
   if (word != nullptr && *word != "auto")
     throw error_at(levels->place, "'levels' must be a list, a range or \"auto\", got '", *word, "'");
   sweep.automatic = word != nullptr;
+  if (sweep.automatic && !study.setup.plant->spec().fails)
+    throw error_at(levels->place, "\"auto\" looks for the level that fails, and an episode of '",
+                   study.setup.plant.kind, "' cannot fail; give the levels");
   sweep.axes.push_back({});
   if (!sweep.automatic) sweep.axes.front().values = parse_levels(*levels, "levels");
 }
 
 /// What is different in all cells of a sweep: parameters of the plant, and disturbances that are on.
 void parse_setting(const Table& table, const Study& study, Sweep& sweep) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   if (const Value* disturb = table.find("disturb")) sweep.disturbed = parse_disturb(*disturb, spec);
   const Value* params = table.find("params");
   for (const auto& [name, value] : params ? params->as_table("params").items : Table{}.items) {

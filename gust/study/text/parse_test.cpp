@@ -22,7 +22,7 @@ TEST_CASE("a study gets every default") {
   const Study study = small_study();
 
   CHECK(study.name == "small");
-  CHECK(study.setup.plant->spec().physics_rate == 50.0);
+  CHECK(study.setup.plant->plant()->spec().physics_rate == 50.0);
   CHECK(study.setup.readings.effort == "disturbed");
   REQUIRE(study.starts.size() == 2);
   CHECK(study.starts[1].random);

@@ -69,7 +69,7 @@ TEST_CASE("any other file needs the names of its columns, and its scores are tak
                        "a.csv:1:2: cells are separated by ; here: commas are needed, and points in numbers", Error);
 }
 
-TEST_CASE("lengths and steps that are none are refused with their line") {
+TEST_CASE("impossible lengths and steps are refused with their line") {
   const auto problem = [](const std::string& text, const std::string& name, const CurveColumns& columns) {
     try {
       read_reference_curve(text, name, columns);

@@ -45,17 +45,19 @@ struct Sweep {
   std::vector<std::pair<std::size_t, double>> parameters;  ///< of the plant, by index: other values in all cells
 
   std::size_t cells() const;
+  /// The values of the axes in a cell; the last axis runs fastest.
+  std::vector<double> at(std::size_t cell) const;
   /// Of an axis: the parameter's, or what the disturbed channels are measured in: "N", "rad", "m, rad" of several.
-  std::string unit(const PlantSpec& spec, std::size_t axis = 0) const;
+  std::string unit(const Interface& spec, std::size_t axis = 0) const;
   /// What is different in all cells, with all that makes it so: "pole_mass = 0.15, dynamics step(offset = 2) on fx in
   /// steps 25:50 at 0.2"; empty if nothing is.
-  std::string setting(const PlantSpec& spec) const;
+  std::string setting(const Interface& spec) const;
   /// Whether its one axis is the level of a disturbance.
   bool along_levels() const { return injection.has_value() && axes.size() == 1; }
 };
 
 /// "fx fz=0.5": the channels that are disturbed, with factors that are not 1.
-std::string channels_text(const Injection& injection, const PlantSpec& spec);
+std::string channels_text(const Injection& injection, const Interface& spec);
 
 /// A statement about the outcome, decided with an interval: a bound for one metric in one place, or a formula.
 struct StudyClaim {

@@ -41,12 +41,12 @@ std::string degrees_question(double angle) {
 }
 
 /// A disturbance of observed angles alone that is larger than half a turn.
-void warn_of_offset(const Injection& injection, const PlantSpec& spec, const std::string& whose,
+void warn_of_offset(const Injection& injection, const Interface& spec, const std::string& whose,
                     std::vector<std::string>& warnings) {
   if (injection.site != Site::kObservation) return;
   double most = 0;
   for (std::size_t i = 0; i < injection.factors.size(); ++i) {
-    if (injection.factors[i] != 0 && spec.state[i].unit != "rad") return;
+    if (injection.factors[i] != 0 && spec.measured()[i].unit != "rad") return;
     most = std::max(most, std::abs(injection.factors[i] * injection.level));
   }
   if (most > kHalfTurn)
@@ -55,7 +55,7 @@ void warn_of_offset(const Injection& injection, const PlantSpec& spec, const std
 }
 
 /// Injections whose window closes before their shape begins, waves whose shape is coarse, angles in degrees.
-void warn_of_injections(std::span<const Injection> injections, const PlantSpec& spec, const std::string& whose,
+void warn_of_injections(std::span<const Injection> injections, const Interface& spec, const std::string& whose,
                         std::vector<std::string>& warnings) {
   std::ranges::move(wave_warnings(injections, spec, whose), std::back_inserter(warnings));
   for (const Injection& injection : injections) {
@@ -103,7 +103,7 @@ Limits possible_values(const Setup& setup, std::size_t parameter) {
   return boxed ? of.by_box : of.by_actuator;
 }
 
-std::vector<std::string> wave_warnings(std::span<const Injection> injections, const PlantSpec& spec,
+std::vector<std::string> wave_warnings(std::span<const Injection> injections, const Interface& spec,
                                        const std::string& whose) {
   constexpr double kFewSamples = 10;  // a period; a sine of as many may miss its peak by 5 %
   std::vector<std::string> warnings;
@@ -126,8 +126,10 @@ std::vector<std::string> plant_warnings(const Setup& setup) {
         fmt::format("plant: {} = {:.4g} {} lies", parameters[i].name, parameters[i].nominal, parameters[i].unit);
     warnings.push_back(out_of_reach(setup, i, what));
   }
-  warn_of_degrees(setup.plant->spec(), warnings);
-  warn_of_random_starts(setup.plant->spec(), warnings);
+  const Plant* plant = setup.plant->plant();
+  if (plant == nullptr) return warnings;
+  warn_of_degrees(plant->spec(), warnings);
+  warn_of_random_starts(plant->spec(), warnings);
   return warnings;
 }
 
@@ -146,7 +148,7 @@ std::vector<std::string> draw_warnings(const Setup& setup, const Randomisation& 
 }
 
 std::vector<std::string> study_warnings(const Study& study) {
-  const PlantSpec& spec = study.setup.plant->spec();
+  const Interface& spec = study.setup.plant->spec();
   std::vector<std::string> warnings = plant_warnings(study.setup);
   warn_of_injections(study.always, spec, "evaluate", warnings);
   for (const StudyPolicy& policy : study.policies) {

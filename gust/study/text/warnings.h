@@ -13,7 +13,7 @@ Limits possible_values(const Setup& setup, std::size_t parameter);
 
 /// One sentence for each disturbance whose wave has so few samples a period that its shape is coarse; `whose` it is
 /// comes first where it is not empty.
-std::vector<std::string> wave_warnings(std::span<const Injection> injections, const PlantSpec& spec,
+std::vector<std::string> wave_warnings(std::span<const Injection> injections, const Interface& spec,
                                        const std::string& whose = {});
 
 /// One sentence for each parameter of the plant with which it cannot be held, and for each angle of its task that looks

@@ -176,7 +176,7 @@ Margin MarginScores::margin(std::size_t start) const {
 std::string margin_obstacle(const Study& study, std::size_t sweep, const MemberRows& rows, std::size_t start) {
   if (const std::string reason = levels_obstacle(study.sweeps[sweep]); !reason.empty()) return reason;
   if (!rows.has(study.metric_set.name(margin_metric(study)))) return "not measured";
-  const std::string& survival = study.metric_set.name_of(MetricRole::survival);
+  const std::string survival = study.metric_set.name_of(MetricRole::survival);
   if (!rows.has(survival)) return "";
   const Matrix<double> survived = rows.values(start, survival);
   return survival_obstacle(mean(margin_scores(survived.view())));

@@ -106,7 +106,7 @@ TEST_CASE("a summary agrees with the rows it came from") {
   CHECK(summary.claims[0].finding.verdict.ruling == Ruling::holds);  // none of three: at most 0.56
 }
 
-TEST_CASE("the regulator stands a push of half the actuator and the bare plant falls") {
+TEST_CASE("the regulator tolerates a push of half the actuator and the bare plant falls") {
   const ScratchFolder folder("gust-run-physics");
   Study study = small_study();
   const Store store(folder.path / "store", Store::Access::write);

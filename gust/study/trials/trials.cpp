@@ -1,61 +1,20 @@
 #include "gust/study/trials/trials.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "gust/core/version.h"
 #include "gust/onnx/onnx.h"
-#include "gust/store/checkpoint.h"
 #include "gust/study/trials/cell_collector.h"
 #include "gust/study/trials/margin_trial.h"
 #include "gust/study/trials/trace_choice.h"
+#include "gust/study/trials/training_driver.h"
 #include "gust/study/trials/trial_check.h"
 
 namespace gust {
 namespace {
 
-constexpr std::chrono::seconds kBetweenCheckpoints{2};
-
 Outcome failure(std::string reason) { return {Outcome::State::failed, std::move(reason)}; }
-
-/// A checkpoint that cannot be written is told, and the training goes on without it.
-void try_checkpoint(const Store& store, const std::string& id, const Training& training) {
-  try {
-    save_checkpoint(store, id, training.save());
-  } catch (const Error& error) {
-    store.tell(cat("warning: no checkpoint: ", error.what()));
-  }
-}
-
-/// Advances to the end, keeping checkpoints; false if it was stopped before.
-bool train_to_end(Training& training, const Store& store, const std::string& id, std::stop_token stop,
-                  ProgressSink& progress) {
-  CheckpointPace pace(kBetweenCheckpoints);
-  while (!training.done()) {
-    const bool stopping = stop.stop_requested();
-    if (stopping || pace.due()) pace.keep([&] { try_checkpoint(store, id, training); });
-    if (stopping) return false;
-    training.advance();
-    progress.set(static_cast<double>(training.steps()) / static_cast<double>(training.total_steps()));
-  }
-  return true;
-}
-
-/// A training that goes on where a checkpoint of the same training left off, if there is a good one.
-std::unique_ptr<Training> begin_training(const Agent& agent, const TrainingTask& task, const Store& store,
-                                         const std::string& id) {
-  std::unique_ptr<Training> training = agent.start(task);
-  const std::optional<std::string> bytes = load_checkpoint(store, id);
-  if (!bytes) return training;
-  try {
-    training->load(*bytes);
-    return training;
-  } catch (const Error&) {  // from another version: train from the start
-    remove_checkpoint(store, id);
-    return agent.start(task);
-  }
-}
 
 /// Every adversary that the policy was trained against, with where it acts and how far it reaches.
 void write_adversaries(TrialWriter& writer, const Training& training, std::map<std::string, std::string> metadata) {
@@ -71,11 +30,19 @@ void write_adversaries(TrialWriter& writer, const Training& training, std::map<s
 
 Outcome run_train(const Study& study, const Trial& trial, const Store& store, std::stop_token stop,
                   ProgressSink& progress) {
-  const PolicyTraining& asked = *study.policies[trial.policy].training();
-  const TrainingTask task{study.setup.plant.object.get(), study.setup.readings,   asked.disturbed,
-                          asked.seeds[trial.member],      asked.randomised.draws, asked.curve_as_trained};
-  const std::unique_ptr<Training> training = begin_training(*asked.agent, task, store, trial.id);
-  if (!train_to_end(*training, store, trial.id, stop, progress)) return {Outcome::State::stopped, ""};
+  const StudyPolicy& policy = study.policies[trial.policy];
+  const PolicyTraining& asked = *policy.training();
+  const TrainingTask task{&study.setup.equations("a training", policy.place),
+                          study.setup.readings,
+                          asked.disturbed,
+                          asked.seeds[trial.member],
+                          asked.randomised.draws,
+                          asked.curve_as_trained};
+  const std::unique_ptr<CheckpointPlace> place = checkpoint_in(store, trial.id);
+  const std::unique_ptr<Training> training = begin_training(*asked.agent, task, *place);
+  const auto tell_share = [&](double share) { progress.set(share); };
+  const auto warn = [&](const std::string& warning) { store.tell(warning); };
+  if (!train_to_end(*training, *place, stop, tell_share, warn)) return {Outcome::State::stopped, ""};
 
   TrialWriter writer = store.begin(kind_name(trial.kind), trial.id);
   writer.write(kCurveFile, curve_text(training->curve()));
@@ -167,7 +134,7 @@ double search_level(const Evaluation& evaluation, Policy& policy, double limit) 
 Outcome run_search(const Study& study, const Plan& plan, const Trial& trial, const Store& store) {
   const std::unique_ptr<Policy> policy = trial_policy(study, plan, trial, store);
   const std::unique_ptr<TrialEvaluation> task = trial_evaluation(study, trial);
-  task->evaluation.starts = {nominal_start(study.setup.plant->spec())};
+  task->evaluation.starts = {study.setup.plant->starts().front()};
   task->evaluation.episodes = 1;
   task->evaluation.cells = {plain_cell(study, trial, task->injections)};
   const double limit = search_limit(task->injections.back(), study.setup.plant->spec());
@@ -213,20 +180,18 @@ std::unique_ptr<TrialEvaluation> trial_evaluation(const Study& study, const Tria
   if (sweep && sweep->injection) task->injections.push_back(*sweep->injection);
 
   Evaluation& evaluation = task->evaluation;
-  evaluation.plant = study.setup.plant.object.get();
-  evaluation.readings = study.setup.readings;
+  evaluation.source = study.setup.plant.object.get();
   evaluation.injections = task->injections;
   evaluation.starts = study.starts;
   evaluation.episodes = study.episodes;
   evaluation.root = Rng(static_cast<std::uint64_t>(study.seed));
   evaluation.cells.assign(sweep ? sweep->cells() : 1, plain_cell(study, trial, task->injections));
   if (sweep == nullptr) return task;
-  const std::size_t inner = sweep->axes.back().values.size();
   for (std::size_t c = 0; c < evaluation.cells.size(); ++c) {
+    const std::vector<double> at = sweep->at(c);
     for (std::size_t a = 0; a < sweep->axes.size(); ++a) {
       const Sweep::Axis& axis = sweep->axes[a];
-      const double value = axis.values[sweep->axes.size() == 2 && a == 0 ? c / inner : c % inner];
-      (axis.parameter.empty() ? evaluation.cells[c].levels.back() : evaluation.cells[c].parameters[axis.index]) = value;
+      (axis.parameter.empty() ? evaluation.cells[c].levels.back() : evaluation.cells[c].parameters[axis.index]) = at[a];
     }
   }
   return task;

@@ -131,7 +131,7 @@ class SacLearner:
             self.temperature_adam.step([-np.mean(density + self.options.target_entropy)[None]])
 
     def follows(self, batch, action, density):
-        """The worth of what comes next, by the slow copies."""
+        """The worth of what comes next, by the target networks."""
         inputs = np.column_stack([batch["next"], action])
         return np.minimum(*(critic.slow(inputs)[:, 0] for critic in self.critics)) - self.temperature() * density
 

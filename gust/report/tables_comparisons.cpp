@@ -11,7 +11,6 @@ namespace gust {
 namespace {
 
 using Comparison = Page::Comparison;
-using Standing = Comparison::Standing;
 using Pair = std::span<const Comparison>;
 
 std::string policy_html(const Page& page, std::size_t policy) {
@@ -20,8 +19,8 @@ std::string policy_html(const Page& page, std::size_t policy) {
 
 /// The policy that is ahead; kNone where that is undecided.
 std::size_t leader(const Comparison& item, Standing standing) {
-  if (standing == Standing::kUndecided) return Page::kNone;
-  return standing == Standing::kAhead ? item.a : item.b;
+  if (standing == Standing::undecided) return Page::kNone;
+  return standing == Standing::ahead ? item.a : item.b;
 }
 
 std::string verdict_html(const Page& page, const Comparison& item) {
@@ -64,8 +63,8 @@ std::string strip_html(const Comparison& item) {
                  fmt::format(" x=\"{:.1f}%\" width=\"{:.1f}%\" height=\"10\"/>", width * from, width * (end - from)));
   }
   const auto count = [&](Standing wanted) { return std::ranges::count(item.levels, wanted); };
-  return cat("<svg class=\"strip\" height=\"10\" role=\"img\" aria-label=\"ahead at ", count(Standing::kAhead),
-             ", behind at ", count(Standing::kBehind), ", undecided at ", count(Standing::kUndecided), " of ",
+  return cat("<svg class=\"strip\" height=\"10\" role=\"img\" aria-label=\"ahead at ", count(Standing::ahead),
+             ", behind at ", count(Standing::behind), ", undecided at ", count(Standing::undecided), " of ",
              item.levels.size(), " levels\">", parts, "</svg>");
 }
 
@@ -80,8 +79,8 @@ std::string pair_html(const Page& page, Pair pair, bool open) {
   const auto count = [&](Standing wanted) { return std::ranges::count(pair, wanted, &Comparison::standing); };
   std::string out =
       cat("<details class=\"pair\"", open ? " open" : "", "><summary>", policy_html(page, any.a), " against ",
-          policy_html(page, any.b), " <small>ahead in ", count(Standing::kAhead), ", behind in ",
-          count(Standing::kBehind), ", undecided in ", count(Standing::kUndecided), "</small></summary>\n",
+          policy_html(page, any.b), " <small>ahead in ", count(Standing::ahead), ", behind in ",
+          count(Standing::behind), ", undecided in ", count(Standing::undecided), "</small></summary>\n",
           "<div class=\"scroll compared\" tabindex=\"0\" role=\"region\" aria-label=\"Comparison of ",
           escaped(page.policies[any.a].name), " with ", escaped(page.policies[any.b].name),
           "\"><table>\n<thead><tr><th scope=\"col\">sweep</th><th scope=\"col\">ahead</th><th "

@@ -1,8 +1,9 @@
+#include "gust/study/summary/measurements.h"
+
 #include <algorithm>
 #include <map>
 #include <tuple>
 
-#include "gust/study/summary/measurements.h"
 #include "gust/study/trials/margin_trial.h"
 #include "gust/study/trials/policy_notes.h"
 #include "gust/study/trials/trial_check.h"
