@@ -121,8 +121,7 @@ def test_settings_that_the_documents_show_fit_the_demo(desk):
         run(desk, f"gust plan studies/demo.toml {words}")
 
 
-# Whole ones; those of a paper are run with it (test_foreign_paper.py).
-STUDIES = [text for name, text in blocks("toml") if "schema" in text and not text.startswith("# my-paper/")]
+STUDIES = [text for name, text in blocks("toml") if "schema" in text]  # whole ones
 
 
 @pytest.mark.parametrize("text", STUDIES, ids=[re.search(r'name *= "([^"]*)"', text)[1] for text in STUDIES])
