@@ -7,12 +7,13 @@
 
 namespace gust {
 
-/// The effect of a struct of options with
+/// The effect of a struct of options with these functions, of which the last two may be missing:
 ///
-///   EffectValue apply(EffectValue, double level, const EffectPlace&, std::span<double> memory) const noexcept
-///   std::size_t memory(double level, const EffectPlace&) const       numbers a channel, 0 where it has no such
-///   function std::int64_t split(double level, const EffectPlace&) const       if it changes signals within a control
-///   step std::string_view unit() const, double limit(double rate) const
+/// - EffectValue apply(EffectValue, double level, const EffectPlace&, std::span<double> memory) const noexcept
+/// - std::string_view unit() const
+/// - double limit(double rate) const
+/// - std::size_t memory(double level, const EffectPlace&) const: numbers that it remembers of each channel
+/// - std::int64_t split(double level, const EffectPlace&) const: it changes signals within a control step
 ///
 /// At the first value of an episode its memory is filled with what the signal was before: the rest value of an action,
 /// 0 of a force, the first value itself of an observation.

@@ -9,7 +9,8 @@ import subprocess
 import pytest
 from conftest import PROGRAM, ROOT
 
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+ELSEWHERE = {"extending.md"}  # tests/python/test_extending.py, with a program that has what it adds
+DOCUMENTS = [ROOT / "README.md", *sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in ELSEWHERE)]
 PLACEHOLDER = re.compile(r"(?<![A-Za-z_.-])(N|KIND|NAME|AGENT|STUDY|DIR|FILE|FOLDER)\b")
 SHORT = {  # what is added to a command so that it takes a moment
     "run studies/": " --set policy.ppo.agent.steps=4000 --set evaluate.episodes=2",
@@ -120,8 +121,7 @@ def test_settings_that_the_documents_show_fit_the_demo(desk):
         run(desk, f"gust plan studies/demo.toml {words}")
 
 
-# Whole ones; those of a paper are run with it (test_foreign_paper.py).
-STUDIES = [text for name, text in blocks("toml") if "schema" in text and not text.startswith("# my-paper/")]
+STUDIES = [text for name, text in blocks("toml") if "schema" in text]  # whole ones
 
 
 @pytest.mark.parametrize("text", STUDIES, ids=[re.search(r'name *= "([^"]*)"', text)[1] for text in STUDIES])
