@@ -10,7 +10,6 @@
 #include "gust/core/hash.h"
 #include "gust/core/version.h"
 #include "gust/onnx/onnx.h"
-#include "gust/store/checkpoint.h"
 #include "gust/store/files.h"
 #include "gust/study/plan/training_time.h"
 #include "gust/study/text/agent_options.h"
@@ -74,7 +73,9 @@ TrainingRun::TrainingRun(const TrainRequest& request)
       hash_hex(cat("gust ", kVersion, "\n", agent_.canonical(), "\n", setup_.preset, "\n", setup_.plant.canonical(),
                    "\n", canonical_fields(setup_.readings), "\nseed ", seed_, drawn.empty() ? "" : "\nrandomise ",
                    drawn, settings.curve_as_trained ? "\ncurve training" : ""));
-  remove_left_aside(checkpoint_);
+  const std::string checkpoint = request.out + ".checkpoint";
+  remove_left_aside(checkpoint);
+  checkpoint_ = checkpoint_file(checkpoint, identity_);
   AtomicFile probe(out_);  // the folder can be written, or this throws; the old file stays as it was
   training_ = begin_training(
       *agent_, {&plant, setup_.readings, {}, seed_, randomised_.draws, settings.curve_as_trained}, *checkpoint_);
