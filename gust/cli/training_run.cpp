@@ -57,8 +57,7 @@ Settings read_settings(const TrainRequest& request) {
 
 }  // namespace
 
-TrainingRun::TrainingRun(const TrainRequest& request)
-    : out_(request.out), seed_(request.seed) {
+TrainingRun::TrainingRun(const TrainRequest& request) : out_(request.out), seed_(request.seed) {
   if (!out_.ends_with(".onnx")) throw Error(cat("--out: '", out_, "' must end in .onnx"));
   check_output(out_, OutputKind::onnx, "--out", request.force);
   if (is_stream(out_)) throw Error(cat("--out: '", out_, "' is no regular file; choose another"));

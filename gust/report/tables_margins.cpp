@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t kMostRows = 400;
 
-using Row = std::vector<const Page::Margin*>;  // by policy; null where there is none
-using MarginRows = std::map<std::size_t, Row>;       // by sweep
+using Row = std::vector<const Page::Margin*>;   // by policy; null where there is none
+using MarginRows = std::map<std::size_t, Row>;  // by sweep
 
 MarginRows rows_of(const Page& page, std::size_t start) {
   MarginRows rows;

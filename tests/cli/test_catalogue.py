@@ -8,7 +8,7 @@ import tomllib
 import pytest
 from conftest import PROGRAM, in_terminal
 
-KINDS = ["plants", "policies", "waveforms", "agents", "distributions", "metrics", "presets", "sites", "commands"]
+KINDS = ["plants", "policies", "waveforms", "effects", "agents", "distributions", "metrics", "presets", "sites", "commands"]
 
 
 def names(gust, kind):
@@ -28,7 +28,7 @@ def test_list_names_every_kind(gust):
     for kind in KINDS:
         for item in everything[kind]:
             assert item["summary"]
-            if kind in ("plants", "waveforms", "agents", "distributions", "metrics"):
+            if kind in ("plants", "waveforms", "effects", "agents", "distributions", "metrics"):
                 assert item["source"]
 
 

@@ -33,7 +33,7 @@ seeds = [1, 2]
 name   = "late action"
 site   = "action"
 effect = "delay"
-levels = [0, 0.01, 0.02, 0.03]
+levels = [0, 0.01, 0.02, 0.04, 0.08]
 
 [[sweep]]
 name   = "late angle"
@@ -138,12 +138,13 @@ def test_a_study_trains_and_measures_with_effects(gust, tmp_path):
     again = json.loads(gust("run", "late.toml", "--threads", "2", "--out", "again.gust", "--json").stdout)
     assert run["margins"] == again["margins"]
     margins = {(margin["policy"], margin["sweep"], margin["start"]): margin for margin in run["margins"]}
-    lqr = margins["lqr", "late action", "nominal"]
+    lqr = margins["lqr", "late action", "random"]
     assert lqr["waveform"] == "delay"
-    assert 0 < lqr["margin"] < 0.03
+    assert 0.01 < lqr["margin"] < 0.06
+    assert margins["lqr", "late action", "nominal"]["censored"]  # it begins where nothing has to be done
     gust("export", "late.gust", "--csv", "rows.csv")
     rows = (tmp_path / "rows.csv").read_text()
-    assert ",late action,action,force,delay(unit = s)," in rows
+    assert ',late action,action,force,"delay(unit = ""s"")",0:250,' in rows
     page = (tmp_path / "late.gust/report.html").read_text()
     assert '"waveform":"delay"' in page and '"unit":"s"' in page and '"unit":"steps"' in page
 

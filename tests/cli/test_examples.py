@@ -74,6 +74,7 @@ def desk(tmp_path_factory):
     for command in (
         "gust run studies/demo.toml",
         "gust store pack demo.gust demo.pack",
+        "gust export demo.gust --csv rows.csv",
         "gust train ppo --plant cartpole --out ppo.onnx",
     ):
         run(folder, command)

@@ -295,12 +295,12 @@ Page demo_page() {
       if (page.episodes[e].policy == margin.policy && page.episodes[e].sweep == margin.sweep) margin.episode = e;
     }
   }
-  page.claims = {{"step-2N", "PPO survives an action step of 2 N.", "survival >= 0.95", "1.00 [0.87, 1.00]",
-                  Ruling::holds, true},
-                 {"beats-lqr", "PPO stands a larger dynamics step than LQR.", "margin(ppo) > margin(lqr)",
-                  "0.44 [0.40, 0.48] against 0.43", Ruling::undecided, false},
-                 {"noise", "PPO keeps nine tenths of its score under observation noise of 0.3.", "anr >= 0.88",
-                  "0.41 [0.36, 0.47]", Ruling::fails, false}};
+  page.claims = {
+      {"step-2N", "PPO survives an action step of 2 N.", "survival >= 0.95", "1.00 [0.87, 1.00]", Ruling::holds, true},
+      {"beats-lqr", "PPO stands a larger dynamics step than LQR.", "margin(ppo) > margin(lqr)",
+       "0.44 [0.40, 0.48] against 0.43", Ruling::undecided, false},
+      {"noise", "PPO keeps nine tenths of its score under observation noise of 0.3.", "anr >= 0.88",
+       "0.41 [0.36, 0.47]", Ruling::fails, false}};
   return page;
 }
 

@@ -40,9 +40,10 @@ struct Train final : PolicySource {
   };
 
   void prepare(const PolicyContext& context) override {
+    const Plant& plant = context.equations("a training");
     if (!agent) throw error_at(context.place, "a policy to train needs an 'agent', such as agent = { kind = \"ppo\" }");
     read_agent(context);
-    training_.agent->check(context.equations("a training").spec(), agent->place);
+    training_.agent->check(plant.spec(), agent->place);
     if (alpha) read_level();
     training_.seeds = {1};
     if (seeds) training_.seeds = read_seeds(*seeds);
