@@ -2,6 +2,7 @@
 RELEASE := build/release
 CHECK := build/check
 JOBS ?= $(shell nproc)
+LONG := 8\.3\.7|8\.5\.5|8\.6\.|8\.7\.| covers|about half|half of all|by chance
 VERBOSE_CTEST := --output-on-failure --no-tests=error
 
 .DEFAULT_GOAL := release
@@ -19,8 +20,8 @@ demo: release ## Run the demo studies: train, disturb, measure; prints the margi
 check: build-tests build-sanitized ## Install, build and run every test, also under sanitizers, each benchmark once, and a minute of each fuzz target
 	ctest --test-dir $(CHECK) -j $(JOBS) $(VERBOSE_CTEST)
 
-test: build-tests ## The same without sanitizers and fuzz targets
-	ctest --test-dir $(CHECK) -j $(JOBS) $(VERBOSE_CTEST) -LE 'sanitizers|fuzz'
+test: build-tests ## Unit, conformance, golden and style tests without the long ones; some three minutes once it is built
+	ctest --test-dir $(CHECK) -j $(JOBS) $(VERBOSE_CTEST) -L 'unit|conformance|golden|style|loop' -E '$(LONG)'
 
 sanitize: build-tests build-sanitized ## Those alone
 	ctest --test-dir $(CHECK) -j $(JOBS) $(VERBOSE_CTEST) -L 'sanitizers|fuzz'
