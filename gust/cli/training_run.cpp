@@ -18,8 +18,6 @@
 namespace gust {
 namespace {
 
-constexpr std::chrono::seconds kBetweenCheckpoints{10};
-
 std::vector<std::string> names_of(const std::vector<FieldInfo>& fields) {
   std::vector<std::string> names;
   for (const FieldInfo& field : fields) names.push_back(field.name);
