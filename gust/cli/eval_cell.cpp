@@ -25,6 +25,10 @@ std::size_t prepare_sweep(const EvalRequest& request, Study& study) {
     if (!axis.parameter.empty() && !(level[i] > 0)) {
       throw Error(cat("--level: '", axis.parameter, "' must be > 0, got ", level[i]));
     }
+    if (axis.parameter.empty()) {
+      const std::string complaint = level_complaint(*sweep.injection, level[i]);
+      if (!complaint.empty()) throw Error(cat("--level: ", complaint));
+    }
     axis.values = {level[i]};
   }
   return index;

@@ -179,7 +179,7 @@ std::vector<Section> sections(const ReproductionPage& page, const std::vector<Pa
   out.push_back({"verdicts", "Verdicts", cat("What became of ", counted(page.claims.size(), "claim", "claims")),
                  cat(mark_shapes(), verdict_picture(page),
                      page.note.empty() ? "" : cat("<p class=\"note\">", escaped(page.note), "</p>\n"),
-                     partings_html(page), further_findings(page))});
+                     claims_by_reason_html(page), further_findings(page))});
   if (const std::string table = reading_table(page); !table.empty())
     out.push_back({"readings", "Readings", "What hangs on a reading", table});
   for (std::size_t i = 0; i < page.figures.size(); ++i) out.push_back(figure_section(page, page.figures[i], data[i]));

@@ -72,16 +72,16 @@ TEST_CASE("a claim that does not hold has the first reason that the data give") 
   page.claims[8].verdicts[0].seeds = 10;
   page.claims[9].verdicts[0].seeds = 0;
 
-  const std::vector<Parting> found = partings(page);
+  const std::vector<ClaimsOfReason> found = claims_by_reason(page);
 
   REQUIRE(found.size() == 9);
   for (std::size_t i = 0; i < found.size(); ++i) {
     REQUIRE(found[i].claims.size() == 1);
     CHECK(found[i].claims[0] == &page.claims[i + 1]);
   }
-  CHECK(gust::holds(partings_html(page), "1 claim: <a href=\"#claim-none\">none</a>"));
+  CHECK(gust::holds(claims_by_reason_html(page), "1 claim: <a href=\"#claim-none\">none</a>"));
   page.claims.resize(1);
-  CHECK(partings_html(page).empty());
+  CHECK(claims_by_reason_html(page).empty());
 }
 
 TEST_CASE("an empty reproduction still gives a whole page") {

@@ -81,7 +81,7 @@ std::string headline_sentence(const PaperResults& results, std::size_t claim) {
 /// What the paper prints in its tables beside what single trainings of ours give.
 std::string tables_sentence(const PaperResults& results) {
   const Paper& paper = *results.reproduction.paper;
-  std::size_t printed = 0, measured = 0, among = 0, strangers = 0, strange = 0;
+  std::size_t printed = 0, measured = 0, among = 0, others = 0, others_between = 0;
   std::vector<double> ratios;
   std::vector<std::string> tables;
   for (const PaperFigure& figure : paper.figures) {
@@ -98,8 +98,8 @@ std::string tables_sentence(const PaperResults& results) {
       if (among_trainings(cell)) ratios.push_back(range.high / range.low);
       for (const auto& other : cells) {  // what agreement is worth: another policy's number in the same range
         if (other.row != cell.row || other.column == cell.column) continue;
-        ++strangers;
-        strange += range.low <= other.printed.value && other.printed.value <= range.high ? 1 : 0;
+        ++others;
+        others_between += range.low <= other.printed.value && other.printed.value <= range.high ? 1 : 0;
       }
     }
     if (measured > measured_before)
@@ -112,7 +112,7 @@ std::string tables_sentence(const PaperResults& results) {
                            ". There these are a factor of {:.2g} apart (median); the number of another policy of the "
                            "same row would lie between them in {}",
                            aggregate(Statistic::median, ratios),
-                           percent(static_cast<double>(strange) / static_cast<double>(strangers)));
+                           percent(static_cast<double>(others_between) / static_cast<double>(others)));
   return cat("Of the ", counted(measured, "number", "numbers"), " in the paper's tables",
              measured < printed ? " that were measured" : "", ", ", counted(among, "lies", "lie"),
              " between the least and the greatest of our single trainings: ", join(tables, ", "), worth, ".");

@@ -125,9 +125,9 @@ std::string reproduction_text(const PaperResults& results, const std::string& co
   if (!page.note.empty()) text += cat(page.note, "\n\n");
   if (!page.findings.empty()) text += "## What else the data show\n\n";
   for (const std::string& sentence : page.findings) text += cat("- ", sentence, "\n");
-  const std::vector<Parting> parting = partings(page);
-  if (!parting.empty()) text += "\n## What is refuted or stays open, by the first reason that the data give\n\n";
-  for (const auto& [why, claims] : parting) {
+  const std::vector<ClaimsOfReason> reasons = claims_by_reason(page);
+  if (!reasons.empty()) text += "\n## What is refuted or stays open, by the first reason that the data give\n\n";
+  for (const auto& [why, claims] : reasons) {
     text += cat("- ", why, " ", counted(claims.size(), "claim", "claims"), ":\n");
     for (const auto* claim : claims)
       text += cat("  - ", claim->id, ": ", claim->text.substr(0, claim->text.find(" (")), ".\n");

@@ -258,7 +258,7 @@ std::string parts_text(const ReproductionPage::Verdict& verdict) {
 
 bool hangs_on_draw(double one_training) { return one_training >= 0.1 && one_training <= 0.9; }
 
-std::vector<Parting> partings(const ReproductionPage& page) {
+std::vector<ClaimsOfReason> claims_by_reason(const ReproductionPage& page) {
   using Claim = ReproductionPage::Claim;
   const auto share = [](const Claim& claim) { return claim.verdicts.front().one_training; };
   const std::pair<const char*, std::function<bool(const Claim&)>> reasons[] = {
@@ -285,7 +285,7 @@ std::vector<Parting> partings(const ReproductionPage& page) {
        }},
       {"None that these data know.", [](const Claim&) { return true; }},
   };
-  std::vector<Parting> found;
+  std::vector<ClaimsOfReason> found;
   for (const auto& [why, applies] : reasons) found.push_back({why, {}});
   for (const Claim& claim : page.claims) {
     if (main_ruling(claim) != Ruling::fails && main_ruling(claim) != Ruling::undecided) continue;
@@ -293,16 +293,16 @@ std::vector<Parting> partings(const ReproductionPage& page) {
     while (!reasons[reason].second(claim)) ++reason;
     found[reason].claims.push_back(&claim);
   }
-  std::erase_if(found, [](const Parting& parting) { return parting.claims.empty(); });
+  std::erase_if(found, [](const ClaimsOfReason& one) { return one.claims.empty(); });
   return found;
 }
 
-std::string partings_html(const ReproductionPage& page) {
+std::string claims_by_reason_html(const ReproductionPage& page) {
   std::string items;
-  for (const Parting& parting : partings(page)) {
+  for (const ClaimsOfReason& one : claims_by_reason(page)) {
     std::vector<std::string> links;
-    for (const auto* claim : parting.claims) links.push_back(link_to(*claim));
-    items += cat("<div><dt>", escaped(parting.why), "</dt><dd>", counted(links.size(), "claim", "claims"), ": ",
+    for (const auto* claim : one.claims) links.push_back(link_to(*claim));
+    items += cat("<div><dt>", escaped(one.why), "</dt><dd>", counted(links.size(), "claim", "claims"), ": ",
                  join(links, ", "), "</dd></div>\n");
   }
   if (items.empty()) return "";

@@ -25,14 +25,14 @@ std::string parts_text(const ReproductionPage::Verdict& verdict);
 bool hangs_on_draw(double one_training);
 
 /// Claims that do not hold, by the first of these reasons that the data give for it. Every such claim has one.
-struct Parting {
+struct ClaimsOfReason {
   std::string why;  ///< a sentence
   std::vector<const ReproductionPage::Claim*> claims;
 };
-std::vector<Parting> partings(const ReproductionPage& page);
+std::vector<ClaimsOfReason> claims_by_reason(const ReproductionPage& page);
 
 /// The same as a list; empty if there are none.
-std::string partings_html(const ReproductionPage& page);
+std::string claims_by_reason_html(const ReproductionPage& page);
 
 /// All verdicts of the main reading: a cell a claim that leads to it, and how many there are of each.
 std::string verdict_picture(const ReproductionPage& page);

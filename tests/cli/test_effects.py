@@ -184,3 +184,11 @@ def test_eval_refuses_a_waveform_beside_an_effect(gust):
     error = gust("eval", "lqr", "--plant", "cartpole", "--site", "action", "--effect", "delay", "--waveform", "step",
                  "--level", "1", code=2).stderr  # fmt: skip
     assert "not both" in error
+
+
+def test_a_cell_of_a_study_has_no_level_that_its_effect_cannot_have(gust, tmp_path):
+    (tmp_path / "late.toml").write_text(STUDY.replace("steps = 800", "steps = 400"))
+    gust("run", "late.toml")
+    cell = ["eval", "lqr", "--study", "late.gust", "--sweep", "late action"]
+    assert "the level of a delay is 0 or more s, got -0.1" in gust(*cell, "--level", "-0.1", code=2).stderr
+    assert gust(*cell, "--level", "0.013").returncode == 0

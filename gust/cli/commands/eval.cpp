@@ -15,7 +15,7 @@ constexpr const char* kAbout =
     "gain with --set 'k=[[-8.8,-9,-55,-14]]'. A disturbance needs --site, --waveform (or --effect) and --level; --set "
     "then also takes its options, channels (names), mask (such as 10), start and end (control steps). "
     "--set takes readings (effort, saturate, command_clip, tap_point) and options of the plant as well: the policy "
-    "lqr is designed for them. --param changes the plant behind the policy's back: the policy stays what it was.\n\n"
+    "lqr is designed for them. --param changes the plant and not the policy, which stays what it was.\n\n"
     "--observe, --act and --units are for files that gust did not make: what the policy sees in its order, with sign, "
     "unit or scale (TOML, or names with commas between; gust describe plant KIND has the names), and what its actions "
     "are. They are the keys of a study's onnx policy (docs/study.md).\n\n"
